@@ -22,12 +22,15 @@
 #include "server/settings/quota_settings.h"
 #include "server/settings/settings_file.h"
 #include "server/settings/sources.h"
+#include "server/store/postgres/address.h"
 
 namespace sightline::server {
 namespace {
 
 const std::map<std::string, scenegraph::Growth> kPolicies{
-    {"first-touch", scenegraph::Growth::kFirstTouch}, {"full", scenegraph::Growth::kFull}};
+    {"first-touch", scenegraph::Growth::kFirstTouch},
+    {"demand", scenegraph::Growth::kDemand},
+    {"full", scenegraph::Growth::kFull}};
 
 const std::map<std::string, spdlog::level::level_enum> kLogLevels{{"trace", spdlog::level::trace},
                                                                   {"debug", spdlog::level::debug},
@@ -115,6 +118,18 @@ void add_requests(CLI::App& app, CommandLine& line, Requests& requests) {
       ->configurable(false);
 }
 
+void add_storage_flags(CLI::App& app, ServerConfig& config) {
+  app.add_option("--data-dir", config.data_dir,
+                 "Directory of the server's files; created if missing");
+  app.add_option("--store", config.store,
+                 "postgresql://USER@HOST:PORT,HOST:PORT/DATABASE, which several servers may share; "
+                 "instead of --data-dir")
+      ->type_name("URI");
+  app.add_option("--mesh-cache", config.mesh_cache,
+                 "Directory for copies of the store's meshes, of this server alone; by default a "
+                 "temporary one");
+}
+
 void add_flags(CLI::App& app, CommandLine& line) {
   ServerConfig& config = line.config;
   const CLI::Validator count(check_count, "COUNT");
@@ -125,14 +140,14 @@ void add_flags(CLI::App& app, CommandLine& line) {
   add_security_flags(app, config);
   app.add_option("--port-file", config.port_file,
                  "File to write the bound port to, once ready (0: a Unix socket)");
-  app.add_option("--data-dir", config.data_dir,
-                 "Directory of the server's files; created if missing");
+  add_storage_flags(app, config);
   app.add_option("--threads", config.threads,
                  "Threads that trace and build; as many again prefetch, where that is asked for")
       ->check(CLI::Range(1, ServerConfig::kMaxThreads))
       ->capture_default_str();
-  add_choice(app, "--policy", kPolicies, config.policy, "first-touch",
-             "When trees are built: where rays enter, or fully before the first ray");
+  add_choice(
+      app, "--policy", kPolicies, config.policy, "first-touch",
+      "When trees are built: where rays enter, where that pays, or fully before the first ray");
   app.add_option(
          "--memory-budget", config.memory_budget,
          "Bytes to hold at most: meshes, trees, nodes, logs, calls; by default half of the memory")
@@ -169,7 +184,10 @@ std::uint64_t ServerConfig::default_memory_budget() {
 }
 
 std::string policy_name(scenegraph::Growth policy) {
-  return policy == scenegraph::Growth::kFull ? "full" : "first-touch";
+  for (const auto& [name, growth] : kPolicies) {
+    if (growth == policy) return name;
+  }
+  return {};
 }
 
 namespace {
@@ -183,6 +201,11 @@ Result<settings::SettingsFile> settings_file(const Requests& requests) {
   const char* named = std::getenv(kFileVariable);
   if (named == nullptr || *named == '\0') return settings::SettingsFile();
   return settings::read_settings(named);
+}
+
+/// A setting's value as it may be printed.
+std::string show_setting(const std::string& setting, const std::string& value) {
+  return setting == "store" ? store::postgres::hide_password(value) : value;
 }
 
 /// Sets what no flag has set. Prints the settings if that is requested.
@@ -200,7 +223,7 @@ Status complete(CLI::App& app, const Requests& requests, CommandLine& line) {
   }
   if (requests.print) {
     const std::string text =
-        settings::print_settings(app, *sources) + settings::print_quotas(*file);
+        settings::print_settings(app, *sources, show_setting) + settings::print_quotas(*file);
     std::fputs(text.c_str(), stdout);
   }
   return {};

@@ -27,9 +27,11 @@ struct ServerConfig {
   std::filesystem::path tokens;     ///< Who may do what (security/tokens.h). Empty: everyone all.
   std::filesystem::path port_file;  ///< Gets the bound port once the server is ready. Empty: none.
   std::filesystem::path data_dir;   ///< Created if missing. Empty: none.
-  int threads = default_threads();  ///< Workers for queries, 1 to kMaxThreads. Updates and
-                                    ///< background work have as many each.
-  scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< kFirstTouch or kFull.
+  std::string store;  ///< postgresql://..., instead of data_dir; may hold a password. Empty: none.
+  std::filesystem::path mesh_cache;  ///< Copies of meshes of `store`. Empty: a temporary directory.
+  int threads = default_threads();   ///< Workers for queries, 1 to kMaxThreads. Updates and
+                                     ///< background work have as many each.
+  scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< kFirstTouch, kDemand or kFull.
   std::uint64_t memory_budget = default_memory_budget();        ///< Bytes of all that is held.
   exec::AdmissionLimits admission;
   int max_prefetches = 4;  ///< Running at a time, 0 to kMaxPrefetches.
@@ -49,6 +51,8 @@ struct ServerConfig {
   static constexpr std::chrono::minutes kConnectionGrace{1};
   static constexpr int kMaxCallsPerConnection = 64;  ///< At a time; more wait.
   static constexpr int kMaxMessageBytes = 4 << 20;   ///< Largest message that a client may send.
+  /// Whether scenes outlive the process.
+  bool is_durable() const { return !data_dir.empty() || !store.empty(); }
   static int default_threads();
   /// Half of the memory that this process may use.
   static std::uint64_t default_memory_budget();

@@ -89,7 +89,7 @@ void describe_calls(const ServerConfig& config, v1::GetServerInfoResponse& info)
 }
 
 void describe_storage(const ServerConfig& config, v1::GetServerInfoResponse& info) {
-  if (config.data_dir.empty()) return;
+  if (!config.is_durable()) return;
   info.add_features("durable");
   info.add_features("backup");
   const store::StoreLimits limits;
@@ -146,6 +146,7 @@ v1::GetServerInfoResponse describe(const ServerConfig& config, std::size_t max_c
                               "build.none",
                               "build.built-only",
                               "policy.first-touch",
+                              "policy.demand",
                               "policy.full"}) {
     info.add_features(feature);
   }

@@ -26,6 +26,10 @@ constexpr std::chrono::milliseconds kEnforceEvery{250};
 /// How often certificates and tokens are read again.
 constexpr std::chrono::seconds kReloadEvery{1};
 
+durable::StoreLocation store_location(const ServerConfig& config) {
+  return {config.data_dir, config.store, config.mesh_cache};
+}
+
 }  // namespace
 
 /// In order of construction. A member uses only members before it and is destroyed before them.
@@ -71,13 +75,15 @@ void Server::Parts::log_start(const net::ListenAddress& address) const {
       !config.tokens.empty(), config.threads, policy_name(config.policy), config.memory_budget,
       accel::split::simd_target());
   warn_if_exposed(config, address);
-  if (config.data_dir.empty())
-    spdlog::warn("event=scenes_in_memory scenes are not kept across restarts: set --data-dir");
+  if (!config.is_durable())
+    spdlog::warn(
+        "event=scenes_in_memory scenes are not kept across restarts: set --data-dir or --store");
 }
 
 Status Server::check(const ServerConfig& config) {
   if (Status good = config.tls.check(); !good) return good;
   if (const auto address = check_listen(config); !address) return address.error();
+  if (Status good = durable::check_location(store_location(config)); !good) return good;
   return AdminPort::check(config);
 }
 
@@ -92,7 +98,7 @@ Result<std::unique_ptr<Server>> Server::start(const ServerConfig& config) {
   auto access = Access::make(config);
   if (!access) return access.error();
   if (const Status made = make_data_dir(config.data_dir); !made) return made.error();
-  auto disk = durable::open_store(config.data_dir);
+  auto disk = durable::open_store(store_location(config));
   if (!disk) return disk.error();
 
   auto parts = std::make_unique<Parts>(config, *std::move(access), *std::move(disk));

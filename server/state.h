@@ -42,6 +42,7 @@ struct State {
   scenes::SceneStore scenes;
   std::optional<durable::Sweeper> sweeper;  // with a store
   scenes::Reclaimer reclaimer;
+  exec::Deadlines deadlines;
   exec::Compute compute;
   /// The store reports to tasks until nothing is under way any more.
   struct FlushedStore {
@@ -54,6 +55,7 @@ struct State {
   const scenes::Services services{.scenes = scenes,
                                   .blobs = blobs,
                                   .compute = compute,
+                                  .deadlines = deadlines,
                                   .admission = admission,
                                   .all_hits_admission = all_hits_admission,
                                   .small_admission = small_admission,

@@ -41,7 +41,7 @@ set(scripts ${CMAKE_CURRENT_LIST_DIR}/server)
 set(CPACK_DEBIAN_SERVER_PACKAGE_CONTROL_EXTRA ${scripts}/conffiles ${scripts}/postinst ${scripts}/prerm ${scripts}/postrm)
 # For the server's user.
 set(CPACK_DEBIAN_SERVER_PACKAGE_DEPENDS adduser)
-set(CPACK_DEBIAN_SERVER_PACKAGE_SUGGESTS "sightline-client, sightline-doc")
+set(CPACK_DEBIAN_SERVER_PACKAGE_SUGGESTS "sightline-client, sightline-doc, postgresql")
 
 package(client sightline-client graphics
   "command for a ray-query server\nsightline imports scenes, casts rays at them and draws pictures.")

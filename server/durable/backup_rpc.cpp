@@ -19,7 +19,8 @@ namespace {
 
 Error not_durable() {
   return {Code::kFailedPrecondition,
-          "the server keeps scenes in memory only; start it with --data-dir", "NOT_DURABLE"};
+          "the server keeps scenes in memory only; start it with --data-dir or --store",
+          "NOT_DURABLE"};
 }
 
 /// Reads a part and writes it, in turn. Deletes itself.

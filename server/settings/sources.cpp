@@ -95,7 +95,7 @@ std::string to_toml_string(const std::string& text) {
   return quote + text + quote;
 }
 
-std::string print_settings(const CLI::App& app, const Sources& sources) {
+std::string print_settings(const CLI::App& app, const Sources& sources, const ShowSetting& show) {
   std::string out;
   for (const CLI::Option* option : app.get_options()) {
     const std::string setting = setting_of(*option);
@@ -106,7 +106,7 @@ std::string print_settings(const CLI::App& app, const Sources& sources) {
     if (value.empty()) {
       out += fmt::format("# {} is not set\n", setting);
     } else {
-      out += fmt::format("{} = {}  # {}\n", setting, to_toml(value),
+      out += fmt::format("{} = {}  # {}\n", setting, to_toml(show(setting, value)),
                          source == sources.end() ? "default" : source->second);
     }
   }

@@ -1,6 +1,7 @@
 // Settings that a flag has not set: from the environment, or else from a file.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -28,8 +29,12 @@ std::string variable_of(const std::string& setting);
 /// setting that does not exist, or a value that is wrong.
 Result<Sources> set_from_sources(CLI::App& app, const SettingsFile& file);
 
+/// The text for the value of a setting, which may be a secret.
+using ShowSetting =
+    std::function<std::string(const std::string& setting, const std::string& value)>;
+
 /// All settings of `app` as TOML, each with its source in a comment.
-std::string print_settings(const CLI::App& app, const Sources& sources);
+std::string print_settings(const CLI::App& app, const Sources& sources, const ShowSetting& show);
 
 /// A value as TOML: numbers, true and false as they are, anything else as a string.
 std::string to_toml(const std::string& value);

@@ -18,7 +18,7 @@ Result<Kept> find_kept(Database& database, SceneId scene) {
   Kept kept;
   const Status read = database.each(
       "SELECT answers, answer_nodes FROM scene WHERE id = ?",
-      [&](const Statement& row) {
+      [&](const Row& row) {
         kept = {row.unsigned_number(0), row.unsigned_number(1)};
         return Status();
       },
@@ -34,7 +34,7 @@ Status trim(Database& database, SceneId scene, Kept& kept, const StoreLimits& li
     std::int64_t id = 0;
     Status done = database.each(
         "SELECT id, node_count FROM answer WHERE scene = ? ORDER BY id LIMIT 1",
-        [&](const Statement& row) {
+        [&](const Row& row) {
           id = row.number(0);
           nodes = row.unsigned_number(1);
           return Status();
@@ -76,11 +76,10 @@ Result<std::vector<RequestAnswer>> read_answers(Database& database, SceneId scen
   std::vector<RequestAnswer> answers;
   const Status read = database.each(
       "SELECT request_id, content, revision, nodes FROM answer WHERE scene = ? ORDER BY id",
-      [&](const Statement& row) -> Status {
+      [&](const Row& row) -> Status {
         auto nodes = decode_ids(row.bytes(3));
         if (!nodes) {
-          return corrupt(database.file(),
-                         fmt::format("an answer of the scene with the number {}", scene));
+          return database.corrupt(fmt::format("an answer of the scene with the number {}", scene));
         }
         answers.push_back(
             {row.text(0), row.unsigned_number(1), row.unsigned_number(2), std::move(*nodes)});

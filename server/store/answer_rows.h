@@ -4,12 +4,12 @@
 #include <vector>
 
 #include "accel/result.h"
-#include "server/store/sqlite.h"
+#include "server/store/database.h"
 #include "server/store/store.h"
 
 namespace sightline::server::store {
 
-/// Errors of all: as Database::error().
+/// Errors of all: as Database.
 
 /// Adds an answer, and drops the oldest beyond the limits. Errors: also kAlreadyExists.
 Status insert_answer(Database& database, SceneId scene, const RequestAnswer& answer,

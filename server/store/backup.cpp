@@ -19,9 +19,9 @@ struct FinishBackup {
 /// Copies all pages as they are at one instant.
 Status copy_database(const DataDirectory& from, const std::filesystem::path& to) {
   const FileSystem& files = from.files();
-  auto source = Database::open(database_file(from.path()), files.database_vfs());
+  auto source = SqliteDatabase::open(database_file(from.path()), files.database_vfs());
   if (!source) return source.error();
-  auto target = Database::open(to, files.database_vfs());
+  auto target = SqliteDatabase::open(to, files.database_vfs());
   if (!target) return target.error();
   const std::unique_ptr<sqlite3_backup, FinishBackup> backup(
       sqlite3_backup_init(target->handle(), "main", source->handle(), "main"));
@@ -34,7 +34,7 @@ Status copy_database(const DataDirectory& from, const std::filesystem::path& to)
 }
 
 Result<std::vector<BlobRow>> blobs_of(FileSystem& files, const std::filesystem::path& database) {
-  auto opened = Database::open(database, files.database_vfs());
+  auto opened = SqliteDatabase::open(database, files.database_vfs());
   if (!opened) return opened.error();
   return all_blobs(*opened);
 }

@@ -71,10 +71,14 @@ Status BlobFiles::write(const Fresh& fresh, std::span<const std::byte> bytes) {
 
 Status BlobFiles::publish(Fresh& fresh, const blobs::BlobDigest& digest) {
   if (Status synced = files_.sync(fresh.file, fresh.path); !synced) return synced;
-  const Path named = path_of(digest);
-  if (Status renamed = files_.rename(fresh.path, named); !renamed) return renamed;
+  if (Status named = name(fresh, digest); !named) return named;
+  return files_.sync_directory(path_of(digest).parent_path());
+}
+
+Status BlobFiles::name(Fresh& fresh, const blobs::BlobDigest& digest) {
+  if (Status renamed = files_.rename(fresh.path, path_of(digest)); !renamed) return renamed;
   fresh = {};
-  return files_.sync_directory(named.parent_path());
+  return {};
 }
 
 void BlobFiles::abandon(Fresh& fresh) {

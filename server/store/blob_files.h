@@ -41,6 +41,8 @@ class BlobFiles {
   Status write(const Fresh& fresh, std::span<const std::byte> bytes);
   /// Brings the file to the disk, gives it its name and brings the name to the disk.
   Status publish(Fresh& fresh, const blobs::BlobDigest& digest);
+  /// Gives the file its name. It may be lost with the power.
+  Status name(Fresh& fresh, const blobs::BlobDigest& digest);
   /// Removes a file that will not be published.
   void abandon(Fresh& fresh);
 

@@ -13,7 +13,7 @@ std::span<const std::byte> sum_of(const blobs::BlobDigest& digest) {
   return std::as_bytes(std::span(digest.sum));
 }
 
-BlobRow read_row(const Statement& row) {
+BlobRow read_row(const Row& row) {
   BlobRow blob;
   blob.id = row.number(0);
   const auto sum = row.bytes(1);
@@ -42,7 +42,7 @@ Result<std::optional<std::int64_t>> find_blob(Database& database, const blobs::B
 Result<std::vector<BlobRow>> all_blobs(Database& database) {
   std::vector<BlobRow> blobs;
   const Status read =
-      database.each("SELECT id, sum, size FROM blob ORDER BY id", [&](const Statement& row) {
+      database.each("SELECT id, sum, size FROM blob ORDER BY id", [&](const Row& row) {
         blobs.push_back(read_row(row));
         return Status();
       });
@@ -53,7 +53,7 @@ Result<std::vector<BlobRow>> all_blobs(Database& database) {
 Result<BlobTotals> blob_totals(Database& database) {
   BlobTotals totals;
   const Status read =
-      database.each("SELECT count(*), sum(size) FROM blob", [&](const Statement& row) {
+      database.each("SELECT count(*), CAST(sum(size) AS BIGINT) FROM blob", [&](const Row& row) {
         totals = {row.unsigned_number(0), row.unsigned_number(1)};
         return Status();
       });
@@ -68,7 +68,7 @@ Result<std::vector<BlobRow>> unnamed_blobs(Database& database,
       "SELECT id, sum, size FROM blob AS b WHERE stored < ? "
       "AND NOT EXISTS (SELECT 1 FROM batch_blob WHERE blob = b.id) "
       "AND NOT EXISTS (SELECT 1 FROM snapshot_blob WHERE blob = b.id)",
-      [&](const Statement& row) {
+      [&](const Row& row) {
         blobs.push_back(read_row(row));
         return Status();
       },
@@ -86,7 +86,7 @@ Result<std::vector<blobs::BlobDigest>> blobs_named_by(Database& database, std::i
       "WHERE scene = ?1 AND revision > ?2 UNION "
       "SELECT blob FROM snapshot JOIN snapshot_blob ON snapshot_blob.snapshot = snapshot.id "
       "WHERE scene = ?1 AND revision = ?2 AND state = 1) ORDER BY id",
-      [&](const Statement& row) {
+      [&](const Row& row) {
         blobs.push_back(read_row(row).digest);
         return Status();
       },
@@ -112,7 +112,7 @@ Result<std::vector<std::string>> scenes_of_blob(Database& database, std::int64_t
       "(SELECT scene FROM batch JOIN batch_blob ON batch = batch.id WHERE blob = ?1 UNION "
       "SELECT scene FROM snapshot JOIN snapshot_blob ON snapshot = snapshot.id WHERE blob = ?1) "
       "ORDER BY name",
-      [&](const Statement& row) {
+      [&](const Row& row) {
         names.push_back(row.text(0));
         return Status();
       },
@@ -122,7 +122,12 @@ Result<std::vector<std::string>> scenes_of_blob(Database& database, std::int64_t
 }
 
 Result<std::int64_t> need_blob(Database& database, const blobs::BlobDigest& digest) {
-  const auto id = find_blob(database, digest);
+  // Where others write, too, the row is held until the transaction ends.
+  const auto id =
+      database.shared()
+          ? database.number("SELECT id FROM blob WHERE sum = ? AND size = ? FOR KEY SHARE",
+                            sum_of(digest), digest.size)
+          : find_blob(database, digest);
   if (!id) return id.error();
   if (*id) return **id;
   return Error{Code::kFailedPrecondition, digest.text() + " is not stored; upload it again",

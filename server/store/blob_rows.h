@@ -9,7 +9,7 @@
 
 #include "accel/result.h"
 #include "server/blobs/digest.h"
-#include "server/store/sqlite.h"
+#include "server/store/database.h"
 
 namespace sightline::server::store {
 
@@ -24,7 +24,7 @@ struct BlobTotals {
   std::uint64_t bytes = 0;
 };
 
-/// Errors of all: as Database::error().
+/// Errors of all: as Database.
 
 /// One that is there already stays.
 Status insert_blob(Database& database, const blobs::BlobDigest& digest,

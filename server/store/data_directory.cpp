@@ -42,8 +42,8 @@ Result<DataDirectory> DataDirectory::open(FileSystem& files,
   return DataDirectory(files, directory, std::move(*lock));
 }
 
-Result<Database> DataDirectory::open_database() const {
-  auto database = Database::open(database_file(path_), files_->database_vfs());
+Result<SqliteDatabase> DataDirectory::open_database() const {
+  auto database = SqliteDatabase::open(database_file(path_), files_->database_vfs());
   if (!database) return database;
   if (const Status ready = configure(*database); !ready) return ready.error();
   if (const Status ready = prepare_tables(*database); !ready) return ready.error();

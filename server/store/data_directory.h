@@ -23,7 +23,7 @@ class DataDirectory {
 
   /// Opens its database, which is made if it is missing, with the tables of this version. Errors:
   /// as prepare_tables().
-  Result<Database> open_database() const;
+  Result<SqliteDatabase> open_database() const;
 
   const std::filesystem::path& path() const { return path_; }
   FileSystem& files() const { return *files_; }

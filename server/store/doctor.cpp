@@ -18,7 +18,7 @@ namespace {
 
 class Doctor {
  public:
-  Doctor(const DataDirectory& directory, Database& database, bool repair)
+  Doctor(const DataDirectory& directory, SqliteDatabase& database, bool repair)
       : files_(directory.files()),
         path_(directory.path()),
         database_(database),
@@ -99,7 +99,7 @@ class Doctor {
 
   FileSystem& files_;
   const std::filesystem::path& path_;
-  Database& database_;
+  SqliteDatabase& database_;
   BlobFiles blobs_;
   const bool repair_;
   Examination found_;

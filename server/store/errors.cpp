@@ -29,6 +29,11 @@ Error corrupt(const std::filesystem::path& file, std::string_view what) {
           "STORE_CORRUPT"};
 }
 
+bool is_of_engine(const Error& error) {
+  return (error.code == Code::kUnavailable && error.reason != "STORE_BUSY") ||
+         error.reason == "DISK_FULL" || error.reason == "STORE_READ_ONLY";
+}
+
 Error over_limit(std::string_view name, std::uint64_t use, std::uint64_t limit,
                  std::string reason) {
   return {Code::kResourceExhausted,

@@ -20,6 +20,10 @@ Error disk_full(const std::filesystem::path& file);
 Error read_only(const std::filesystem::path& file);
 /// kDataLoss (STORE_CORRUPT). `what`: of the file is damaged.
 Error corrupt(const std::filesystem::path& file, std::string_view what);
+/// Whether a transaction failed for a reason that lies in the engine, as in its disk, and not in
+/// the work.
+bool is_of_engine(const Error& error);
+
 /// kResourceExhausted: `use` of what `limit` bounds, under the limit's name.
 Error over_limit(std::string_view name, std::uint64_t use, std::uint64_t limit, std::string reason);
 

@@ -9,10 +9,11 @@
 namespace sightline::server::store {
 
 Status StoreLimits::check() const {
-  const std::array<std::pair<const char*, std::uint64_t>, 9> at_least_one{{
+  const std::array<std::pair<const char*, std::uint64_t>, 10> at_least_one{{
       {"log_revisions", log_revisions},
       {"log_bytes", log_bytes},
       {"disk_bytes", disk_bytes},
+      {"cache_bytes", cache_bytes},
       {"batches_in_flight", batches_in_flight},
       {"bytes_in_flight", bytes_in_flight},
       {"answers", answers},

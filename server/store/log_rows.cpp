@@ -26,7 +26,7 @@ Result<Head> find_head(Database& database, SceneId scene) {
   bool found = false;
   const Status read = database.each(
       "SELECT revision, base, logged, base_logged FROM scene WHERE id = ? AND removed = 0",
-      [&](const Statement& row) {
+      [&](const Row& row) {
         found = true;
         head = {row.unsigned_number(0), row.unsigned_number(1), row.unsigned_number(2),
                 row.unsigned_number(3)};
@@ -55,16 +55,17 @@ Status insert_updates(Database& database, const Batch& batch, const Head& head,
   const auto bytes = as_bytes(*batch.updates);
   const std::uint64_t revision = head.revision + 1;
   const std::uint64_t logged = head.logged + bytes.size();
-  Status done = database.execute(
+  const auto id = database.number(
       "INSERT INTO batch(scene, revision, time, logged, checksum, updates) "
-      "VALUES(?, ?, ?, ?, ?, ?)",
+      "VALUES(?, ?, ?, ?, ?, ?) RETURNING id",
       batch.scene, revision, to_milliseconds(now), logged, checksum_of(bytes), bytes);
-  const std::int64_t id = database.last_row();
+  if (!id) return id.error();
+  Status done;
   for (std::size_t i = 0; done && i < batch.blobs.size(); ++i) {
     const auto blob = need_blob(database, batch.blobs[i]);
     if (!blob) return blob.error();
     done =
-        database.execute("INSERT INTO batch_blob VALUES(?, ?) ON CONFLICT DO NOTHING", id, *blob);
+        database.execute("INSERT INTO batch_blob VALUES(?, ?) ON CONFLICT DO NOTHING", **id, *blob);
   }
   if (!done) return done;
   return database.execute("UPDATE scene SET revision = ?, logged = ? WHERE id = ?", revision,
@@ -116,15 +117,16 @@ Result<std::vector<LoggedBatch>> read_batches(Database& database, SceneId scene,
     bool fits = true;
     const Status read = database.each(
         "SELECT time, checksum, updates FROM batch WHERE scene = ? AND revision = ?",
-        [&](const Statement& row) -> Status {
+        [&](const Row& row) -> Status {
           found = true;
           const auto updates = row.bytes(2);
           fits = batches.empty() || updates.size() <= max_bytes - bytes;
           if (!fits) return {};
           if (checksum_of(updates) != row.number(1)) {
-            return corrupt(database.file(), fmt::format("revision {} of the scene with the number "
-                                                        "{} does not match its checksum",
-                                                        next + 1, scene));
+            return database.corrupt(
+                fmt::format("revision {} of the scene with the number "
+                            "{} does not match its checksum",
+                            next + 1, scene));
           }
           bytes += updates.size();
           batches.push_back({next + 1, from_milliseconds(row.number(0)), row.copy_of_bytes(2)});
@@ -133,8 +135,7 @@ Result<std::vector<LoggedBatch>> read_batches(Database& database, SceneId scene,
         scene, next + 1);
     if (!read) return read.error();
     if (!found) {
-      return corrupt(
-          database.file(),
+      return database.corrupt(
           fmt::format("revision {} of the scene with the number {} is missing", next + 1, scene));
     }
     if (!fits) break;

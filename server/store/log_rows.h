@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "accel/result.h"
-#include "server/store/sqlite.h"
+#include "server/store/database.h"
 #include "server/store/store.h"
 
 namespace sightline::server::store {

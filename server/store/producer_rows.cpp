@@ -21,7 +21,7 @@ Status insert_put(Database& database, SceneId scene, const ProducerCommit& commi
       "DELETE FROM put WHERE scene = ?1 AND producer = ?2 AND sequence <= coalesce(("
       "SELECT max(sequence) FROM (SELECT sequence, row_number() OVER newest AS number, "
       "sum(node_count) OVER newest AS nodes FROM put WHERE scene = ?1 AND producer = ?2 "
-      "WINDOW newest AS (ORDER BY sequence DESC)) WHERE number > ?3 OR nodes > ?4), 0)",
+      "WINDOW newest AS (ORDER BY sequence DESC)) AS kept WHERE number > ?3 OR nodes > ?4), 0)",
       scene, commit.producer, limits.puts, limits.put_nodes);
 }
 
@@ -30,8 +30,8 @@ Status insert_put(Database& database, SceneId scene, const ProducerCommit& commi
 Status insert_commit(Database& database, SceneId scene, const ProducerCommit& commit,
                      const StoreLimits& limits) {
   Status done = database.execute(
-      "INSERT INTO producer(scene, name, last_committed) VALUES(?, ?, ?) ON CONFLICT DO UPDATE "
-      "SET last_committed = excluded.last_committed "
+      "INSERT INTO producer(scene, name, last_committed) VALUES(?, ?, ?) ON CONFLICT(scene, name) "
+      "DO UPDATE SET last_committed = excluded.last_committed "
       "WHERE excluded.last_committed > producer.last_committed",
       scene, commit.producer, commit.sequence);
   if (!done) return done;
@@ -51,7 +51,7 @@ Result<std::vector<ProducerRecord>> read_producers(Database& database, SceneId s
       "SELECT name, last_committed, sequence, nodes FROM producer LEFT JOIN put "
       "ON put.scene = producer.scene AND put.producer = producer.name "
       "WHERE producer.scene = ? ORDER BY name, sequence",
-      [&](const Statement& row) -> Status {
+      [&](const Row& row) -> Status {
         std::string name = row.text(0);
         if (producers.empty() || producers.back().name != name)
           producers.push_back({name, row.unsigned_number(1), {}});
@@ -59,9 +59,10 @@ Result<std::vector<ProducerRecord>> read_producers(Database& database, SceneId s
         if (sequence == 0) return {};  // it has put no nodes
         auto nodes = decode_ids(row.bytes(3));
         if (!nodes) {
-          return corrupt(database.file(), fmt::format("the producer {} of the scene with the "
-                                                      "number {}",
-                                                      name, scene));
+          return database.corrupt(
+              fmt::format("the producer {} of the scene with the "
+                          "number {}",
+                          name, scene));
         }
         producers.back().recent.push_back({std::move(name), sequence, std::move(*nodes)});
         return {};

@@ -4,12 +4,12 @@
 #include <vector>
 
 #include "accel/result.h"
-#include "server/store/sqlite.h"
+#include "server/store/database.h"
 #include "server/store/store.h"
 
 namespace sightline::server::store {
 
-/// Errors of all: as Database::error().
+/// Errors of all: as Database.
 
 /// Records a producer's progress. Errors: also kOutOfRange (a sequence that is not beyond its
 /// last).

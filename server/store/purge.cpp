@@ -15,14 +15,17 @@ struct Garbage {
   std::int64_t up_to = 0;  // batches of these revisions
 };
 
-/// Pages that may stay free for new rows: a share of all, and at least a number.
-constexpr std::int64_t kFreeShare = 4;
-constexpr std::int64_t kFreePages = 4096;
+constexpr const char* kFindGarbage =
+    "SELECT id, removed, base FROM scene WHERE garbage = 1 LIMIT 1";
+/// Where others write, too, the row is held until the transaction ends, so that nothing becomes
+/// garbage while it is said that there is none.
+constexpr const char* kHoldGarbage =
+    "SELECT id, removed, base FROM scene WHERE garbage = 1 LIMIT 1 FOR UPDATE SKIP LOCKED";
 
 Result<Garbage> find_garbage(Database& database) {
   Garbage garbage;
-  const Status read = database.each(
-      "SELECT id, removed, base FROM scene WHERE garbage = 1 LIMIT 1", [&](const Statement& row) {
+  const Status read =
+      database.each(database.shared() ? kHoldGarbage : kFindGarbage, [&](const Row& row) {
         garbage.scene = row.number(0);
         garbage.removed = row.number(1) != 0;
         garbage.up_to = garbage.removed ? std::numeric_limits<std::int64_t>::max() : row.number(2);
@@ -37,10 +40,11 @@ constexpr std::array<const char*, 4> kGarbage{
     "DELETE FROM batch WHERE id IN "
     "(SELECT id FROM batch WHERE scene = ?1 AND revision <= ?2 ORDER BY revision LIMIT 256)",
     "DELETE FROM snapshot_chunk WHERE id IN (SELECT snapshot_chunk.id FROM snapshot_chunk "
-    "JOIN snapshot ON snapshot = snapshot.id WHERE scene = ?1 AND (state = 2 OR ?3) LIMIT 8)",
+    "JOIN snapshot ON snapshot = snapshot.id WHERE scene = ?1 AND (state = 2 OR ?3 = 1) LIMIT 8)",
     "DELETE FROM snapshot_blob WHERE (snapshot, blob) IN (SELECT snapshot, blob FROM snapshot_blob "
-    "JOIN snapshot ON snapshot = snapshot.id WHERE scene = ?1 AND (state = 2 OR ?3) LIMIT 1024)",
-    "DELETE FROM snapshot AS s WHERE scene = ?1 AND (state = 2 OR ?3) "
+    "JOIN snapshot ON snapshot = snapshot.id WHERE scene = ?1 AND (state = 2 OR ?3 = 1) LIMIT "
+    "1024)",
+    "DELETE FROM snapshot AS s WHERE scene = ?1 AND (state = 2 OR ?3 = 1) "
     "AND NOT EXISTS (SELECT 1 FROM snapshot_chunk WHERE snapshot = s.id) "
     "AND NOT EXISTS (SELECT 1 FROM snapshot_blob WHERE snapshot = s.id)",
 };
@@ -86,16 +90,6 @@ Result<bool> purge_some(Database& database) {
           : database.execute("UPDATE scene SET garbage = 0 WHERE id = ?", garbage->scene);
   if (!done) return done.error();
   return true;
-}
-
-Status return_pages(Database& database, bool all) {
-  const auto free = database.number("PRAGMA freelist_count");
-  if (!free) return free.error();
-  const auto pages = database.number("PRAGMA page_count");
-  if (!pages) return pages.error();
-  const bool many = **free > kFreePages && **free > **pages / kFreeShare;
-  if (**free == 0 || (!many && !all)) return {};
-  return database.execute("PRAGMA incremental_vacuum(1024)");
 }
 
 }  // namespace sightline::server::store

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "accel/result.h"
-#include "server/store/sqlite.h"
+#include "server/store/database.h"
 
 namespace sightline::server::store {
 
@@ -10,9 +10,5 @@ namespace sightline::server::store {
 /// the base, and of unfinished snapshots. Returns whether there may be more. Errors: as
 /// Database::error().
 Result<bool> purge_some(Database& database);
-
-/// Gives a bounded number of free pages back to the file system, if they are many, or `all`.
-/// Errors: as Database::error().
-Status return_pages(Database& database, bool all);
 
 }  // namespace sightline::server::store

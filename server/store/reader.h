@@ -1,29 +1,38 @@
-// A connection for reading that threads share.
+// How tables are read by threads that share connections.
 #pragma once
 
-#include <mutex>
+#include <functional>
+#include <optional>
+#include <type_traits>
 #include <utility>
 
-#include "server/store/sqlite.h"
+#include "accel/result.h"
+#include "server/store/database.h"
 
 namespace sightline::server::store {
 
 /// Threads: any.
 class Reader {
  public:
-  explicit Reader(Database database) : database_(std::move(database)) {}
+  virtual ~Reader() = default;
 
-  /// Calls read(Database&), one call at a time. It should be short: while it reads, the write-ahead
-  /// log cannot begin anew.
+  /// Calls read(Database&), which returns a Result, with a connection that no other thread uses
+  /// meanwhile; again, if the connection was lost. It should be short. Errors: those of read().
   template <class Read>
-  auto operator()(const Read& read) {
-    const std::lock_guard lock(mutex_);
-    return read(database_);
+  auto operator()(const Read& read) -> std::invoke_result_t<Read, Database&> {
+    std::optional<std::invoke_result_t<Read, Database&>> result;
+    const Status done = lend([&](Database& database) -> Status {
+      result.emplace(read(database));
+      return *result ? Status() : Status(result->error());
+    });
+    if (!done) return done.error();
+    return std::move(*result);
   }
 
- private:
-  std::mutex mutex_;
-  Database database_;
+ protected:
+  using Use = std::function<Status(Database&)>;
+
+  virtual Status lend(const Use& use) = 0;
 };
 
 }  // namespace sightline::server::store

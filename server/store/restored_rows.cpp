@@ -5,19 +5,17 @@ namespace sightline::server::store {
 
 Result<RestoredScene> begin_restored(Database& database, const SceneInfo& info,
                                      std::uint64_t revision) {
-  Status done = database.execute(
+  const auto scene = database.number(
       "INSERT INTO scene(name, incarnation, up_axis, meters_per_unit, revision, base, removed) "
-      "VALUES(?1, ?2, ?3, ?4, ?5, ?5, 1)",
+      "VALUES(?1, ?2, ?3, ?4, ?5, ?5, 1) RETURNING id",
       info.name, info.incarnation, static_cast<std::int64_t>(info.up_axis), info.meters_per_unit,
       revision);
-  if (!done) return done.error();
-  RestoredScene restored;
-  restored.scene = database.last_row();
-  done = database.execute("INSERT INTO snapshot(scene, revision, state) VALUES(?, ?, 0)",
-                          restored.scene, revision);
-  if (!done) return done.error();
-  restored.snapshot = database.last_row();
-  return restored;
+  if (!scene) return scene.error();
+  const auto snapshot =
+      database.number("INSERT INTO snapshot(scene, revision, state) VALUES(?, ?, 0) RETURNING id",
+                      **scene, revision);
+  if (!snapshot) return snapshot.error();
+  return RestoredScene{**scene, **snapshot};
 }
 
 /// There is no snapshot of revision 0: the log begins there.
@@ -30,8 +28,9 @@ Status publish_restored(Database& database, const RestoredScene& restored) {
     done =
         database.execute("UPDATE scene SET removed = 0, garbage = 1 WHERE id = ?", restored.scene);
   if (!done) return done;
-  return database.execute("UPDATE snapshot SET state = iif(revision = 0, 2, 1) WHERE id = ?",
-                          restored.snapshot);
+  return database.execute(
+      "UPDATE snapshot SET state = CASE revision WHEN 0 THEN 2 ELSE 1 END WHERE id = ?",
+      restored.snapshot);
 }
 
 }  // namespace sightline::server::store

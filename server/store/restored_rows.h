@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "accel/result.h"
-#include "server/store/sqlite.h"
+#include "server/store/database.h"
 #include "server/store/store.h"
 
 namespace sightline::server::store {
@@ -19,7 +19,7 @@ struct RestoredScene {
 Result<RestoredScene> begin_restored(Database& database, const SceneInfo& info,
                                      std::uint64_t revision);
 /// After the snapshot is written: the scene of this name, if there is one, is removed, and this one
-/// is there. Errors: as Database::error().
+/// is there. Errors: as Database.
 Status publish_restored(Database& database, const RestoredScene& restored);
 
 }  // namespace sightline::server::store

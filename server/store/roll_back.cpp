@@ -10,7 +10,7 @@ namespace sightline::server::store {
 namespace {
 
 /// Errors: kNotFound.
-Result<SceneRecord> find_by_name(Database& database, const std::string& name) {
+Result<SceneRecord> find_by_name(SqliteDatabase& database, const std::string& name) {
   const auto id = database.number("SELECT id FROM scene WHERE name = ? AND removed = 0", name);
   if (!id) return id.error();
   if (!*id)
@@ -31,7 +31,7 @@ constexpr const char* kDropLater[] = {
      "(SELECT coalesce(sum(node_count), 0) FROM answer WHERE scene = ?1) WHERE id = ?1"),
 };
 
-Status drop_later(Database& database, const SceneRecord& scene, std::uint64_t revision,
+Status drop_later(SqliteDatabase& database, const SceneRecord& scene, std::uint64_t revision,
                   std::uint64_t incarnation) {
   for (const char* query : kDropLater) {
     if (Status done = database.execute(query, scene.id, revision); !done) return done;

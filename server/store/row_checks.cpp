@@ -23,15 +23,15 @@ Status record_corruption(const Status& checked, Findings& findings) {
   return {};
 }
 
-Status check_pages(Database& database, Findings& findings) {
-  return database.each("PRAGMA integrity_check", [&](const Statement& row) {
+Status check_pages(SqliteDatabase& database, Findings& findings) {
+  return database.each("PRAGMA integrity_check", [&](const Row& row) {
     if (row.text(0) != "ok") findings.push_back(database.file().string() + ": " + row.text(0));
     return Status();
   });
 }
 
-Status check_references(Database& database, Findings& findings) {
-  return database.each("PRAGMA foreign_key_check", [&](const Statement& row) {
+Status check_references(SqliteDatabase& database, Findings& findings) {
+  return database.each("PRAGMA foreign_key_check", [&](const Row& row) {
     findings.push_back(fmt::format("row {} of the table {} names a row of {} that is missing",
                                    row.number(1), row.text(0), row.text(2)));
     return Status();
@@ -39,7 +39,7 @@ Status check_references(Database& database, Findings& findings) {
 }
 
 /// Revisions from the base to the newest, each once and with its checksum.
-Status check_revisions(Database& database, const SceneRecord& scene, Findings& findings) {
+Status check_revisions(SqliteDatabase& database, const SceneRecord& scene, Findings& findings) {
   std::uint64_t next = scene.base + 1;
   const auto report_gap = [&](std::uint64_t end) {
     if (next < end) {
@@ -52,7 +52,7 @@ Status check_revisions(Database& database, const SceneRecord& scene, Findings& f
   Status read = database.each(
       "SELECT revision, checksum, updates FROM batch WHERE scene = ? AND revision > ? "
       "ORDER BY revision",
-      [&](const Statement& row) {
+      [&](const Row& row) {
         const std::uint64_t revision = row.unsigned_number(0);
         report_gap(revision);
         next = revision + 1;
@@ -70,7 +70,7 @@ Status check_revisions(Database& database, const SceneRecord& scene, Findings& f
   return {};
 }
 
-Status check_snapshots(Database& database, const SceneRecord& scene, Findings& findings) {
+Status check_snapshots(SqliteDatabase& database, const SceneRecord& scene, Findings& findings) {
   if (scene.base > 0 && std::ranges::count(scene.snapshots, scene.base) == 0) {
     findings.push_back(
         fmt::format("{}: the snapshot of revision {}, where the log begins, is "
@@ -83,7 +83,7 @@ Status check_snapshots(Database& database, const SceneRecord& scene, Findings& f
       "SELECT revision, number, checksum, data FROM snapshot_chunk "
       "JOIN snapshot ON snapshot = snapshot.id WHERE scene = ? AND state = 1 "
       "ORDER BY revision, number",
-      [&](const Statement& row) {
+      [&](const Row& row) {
         const std::uint64_t revision = row.unsigned_number(0);
         if (revision != last) next = 0;
         last = revision;
@@ -98,7 +98,7 @@ Status check_snapshots(Database& database, const SceneRecord& scene, Findings& f
       scene.id);
 }
 
-Status check_scene(Database& database, const SceneRecord& scene, Findings& findings) {
+Status check_scene(SqliteDatabase& database, const SceneRecord& scene, Findings& findings) {
   Status checked = record_corruption(check_revisions(database, scene, findings), findings);
   if (checked) checked = record_corruption(check_snapshots(database, scene, findings), findings);
   if (!checked) return checked;
@@ -112,7 +112,7 @@ Status check_scene(Database& database, const SceneRecord& scene, Findings& findi
 
 }  // namespace
 
-Status check_rows(Database& database, Findings& findings) {
+Status check_rows(SqliteDatabase& database, Findings& findings) {
   Status checked = record_corruption(check_pages(database, findings), findings);
   if (checked) checked = record_corruption(check_references(database, findings), findings);
   if (!checked) return checked;

@@ -8,7 +8,7 @@
 namespace sightline::server::store {
 namespace {
 
-SceneRecord read_record(const Statement& row) {
+SceneRecord read_record(const Row& row) {
   SceneRecord record;
   record.id = row.number(0);
   record.info.name = row.text(1);
@@ -29,18 +29,13 @@ Error no_scene(SceneId scene) {
 }
 
 Result<SceneId> insert_scene(Database& database, const SceneInfo& info) {
-  const auto known =
-      database.number("SELECT id FROM scene WHERE name = ? AND removed = 0", info.name);
-  if (!known) return known.error();
-  if (*known) {
-    return Error{Code::kAlreadyExists, fmt::format("the scene {} exists", info.name),
-                 "SCENE_EXISTS"};
-  }
-  const Status inserted = database.execute(
-      "INSERT INTO scene(name, incarnation, up_axis, meters_per_unit) VALUES(?, ?, ?, ?)",
+  const auto id = database.number(
+      "INSERT INTO scene(name, incarnation, up_axis, meters_per_unit) VALUES(?, ?, ?, ?) "
+      "ON CONFLICT DO NOTHING RETURNING id",
       info.name, info.incarnation, static_cast<std::int64_t>(info.up_axis), info.meters_per_unit);
-  if (!inserted) return inserted.error();
-  return database.last_row();
+  if (!id) return id.error();
+  if (*id) return **id;
+  return Error{Code::kAlreadyExists, fmt::format("the scene {} exists", info.name), "SCENE_EXISTS"};
 }
 
 Result<SceneRecord> find_scene(Database& database, SceneId scene) {
@@ -48,7 +43,7 @@ Result<SceneRecord> find_scene(Database& database, SceneId scene) {
   Status read = database.each(
       "SELECT id, name, incarnation, up_axis, meters_per_unit, revision, base, "
       "logged - base_logged FROM scene WHERE id = ? AND removed = 0",
-      [&](const Statement& row) {
+      [&](const Row& row) {
         found.push_back(read_record(row));
         return Status();
       },
@@ -57,7 +52,7 @@ Result<SceneRecord> find_scene(Database& database, SceneId scene) {
   if (found.empty()) return no_scene(scene);
   read = database.each(
       "SELECT revision FROM snapshot WHERE scene = ? AND state = 1 ORDER BY revision",
-      [&](const Statement& row) {
+      [&](const Row& row) {
         found.front().snapshots.push_back(row.unsigned_number(0));
         return Status();
       },
@@ -71,14 +66,14 @@ Result<std::vector<SceneRecord>> all_scenes(Database& database) {
   Status read = database.each(
       "SELECT id, name, incarnation, up_axis, meters_per_unit, revision, base, "
       "logged - base_logged FROM scene WHERE removed = 0 ORDER BY id",
-      [&](const Statement& row) {
+      [&](const Row& row) {
         scenes.push_back(read_record(row));
         return Status();
       });
   if (!read) return read.error();
   read =
       database.each("SELECT scene, revision FROM snapshot WHERE state = 1 ORDER BY scene, revision",
-                    [&](const Statement& row) {
+                    [&](const Row& row) {
                       const auto scene = std::lower_bound(
                           scenes.begin(), scenes.end(), row.number(0),
                           [](const SceneRecord& one, SceneId id) { return one.id < id; });

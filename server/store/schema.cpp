@@ -102,7 +102,7 @@ constexpr const char* kTables = R"(
 )";
 
 /// Version 1 had no checksums of updates.
-Status add_checksums(Database& database) {
+Status add_checksums(SqliteDatabase& database) {
   if (Status added =
           database.run("ALTER TABLE batch ADD COLUMN checksum INTEGER NOT NULL DEFAULT 0");
       !added)
@@ -113,7 +113,7 @@ Status add_checksums(Database& database) {
     std::int64_t checksum = 0;
     Status done = database.each(
         "SELECT id, updates FROM batch WHERE id > ? ORDER BY id LIMIT 1",
-        [&](const Statement& row) {
+        [&](const Row& row) {
           more = true;
           last = row.number(0);
           checksum = checksum_of(row.bytes(1));
@@ -128,15 +128,15 @@ Status add_checksums(Database& database) {
 }
 
 /// Entry v - 1 brings version v to the next.
-constexpr std::array<Status (*)(Database&), kSchemaVersion - 1> kMigrations{add_checksums};
+constexpr std::array<Status (*)(SqliteDatabase&), kSchemaVersion - 1> kMigrations{add_checksums};
 
-Status set_version(Database& database) {
+Status set_version(SqliteDatabase& database) {
   return database.run(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
                                   kApplicationId, kSchemaVersion)
                           .c_str());
 }
 
-Error newer(const Database& database, std::int64_t version) {
+Error newer(const SqliteDatabase& database, std::int64_t version) {
   return {Code::kFailedPrecondition,
           fmt::format("{} was written by a newer version of this program (format {}, this one "
                       "knows up to {}); use that version, or restore a backup made by this one",
@@ -144,7 +144,7 @@ Error newer(const Database& database, std::int64_t version) {
           "STORE_NEWER"};
 }
 
-Error foreign(const Database& database) {
+Error foreign(const SqliteDatabase& database) {
   return {Code::kFailedPrecondition,
           fmt::format("{} is a database of another program; name another directory",
                       database.file().string()),
@@ -152,7 +152,7 @@ Error foreign(const Database& database) {
 }
 
 /// Makes or migrates the tables, in a transaction.
-Status bring_up(Database& database, std::int64_t version) {
+Status bring_up(SqliteDatabase& database, std::int64_t version) {
   if (version == 0) {
     if (Status made = database.run(kTables); !made) return made;
   } else {
@@ -165,7 +165,7 @@ Status bring_up(Database& database, std::int64_t version) {
 
 }  // namespace
 
-Status configure(Database& database) {
+Status configure(SqliteDatabase& database) {
   // Before there are tables: pages that get free can be given back to the file system.
   return database.run(
       "PRAGMA auto_vacuum = INCREMENTAL;"
@@ -179,7 +179,7 @@ Status configure(Database& database) {
       "PRAGMA trusted_schema = OFF");
 }
 
-Status prepare_tables(Database& database) {
+Status prepare_tables(SqliteDatabase& database) {
   const auto version = database.number("PRAGMA user_version");
   if (!version) return version.error();
   const auto application = database.number("PRAGMA application_id");

@@ -10,12 +10,12 @@ namespace sightline::server::store {
 inline constexpr int kSchemaVersion = 2;
 
 /// Sets the connection up: durable commits, write-ahead log, foreign keys. Errors: as
-/// Database::error().
-Status configure(Database& database);
+/// Database.
+Status configure(SqliteDatabase& database);
 
 /// Makes the tables of a new file, or brings those of an older version up to this one. Errors:
 /// kFailedPrecondition (STORE_NEWER: a newer version has written the file; NOT_A_STORE: another
-/// program has), as Database::error().
-Status prepare_tables(Database& database);
+/// program has), as Database.
+Status prepare_tables(SqliteDatabase& database);
 
 }  // namespace sightline::server::store

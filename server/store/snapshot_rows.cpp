@@ -49,15 +49,14 @@ Result<std::int64_t> begin_snapshot(Database& database, SceneId scene, std::uint
   if (done && database.changes() > 0)
     done = database.execute("UPDATE scene SET garbage = 1 WHERE id = ?", scene);
   if (!done) return done.error();
-  done = database.execute(
-      "INSERT INTO snapshot(scene, revision, state) VALUES(?, ?, 0) ON CONFLICT DO NOTHING", scene,
-      revision);
-  if (!done) return done.error();
-  if (database.changes() == 0) {
-    return Error{Code::kAlreadyExists, fmt::format("there is a snapshot of revision {}", revision),
-                 "SNAPSHOT_EXISTS"};
-  }
-  return database.last_row();
+  const auto id = database.number(
+      "INSERT INTO snapshot(scene, revision, state) VALUES(?, ?, 0) ON CONFLICT DO NOTHING "
+      "RETURNING id",
+      scene, revision);
+  if (!id) return id.error();
+  if (*id) return **id;
+  return Error{Code::kAlreadyExists, fmt::format("there is a snapshot of revision {}", revision),
+               "SNAPSHOT_EXISTS"};
 }
 
 Status name_blobs(Database& database, std::int64_t snapshot,
@@ -86,7 +85,7 @@ Status complete_snapshot(Database& database, std::int64_t snapshot) {
   std::uint64_t revision = 0;
   Status read = database.each(
       "SELECT scene, revision FROM snapshot WHERE id = ?",
-      [&](const Statement& row) {
+      [&](const Row& row) {
         scene = row.number(0);
         revision = row.unsigned_number(1);
         return Status();
@@ -126,12 +125,12 @@ Result<std::string> read_chunk(Database& database, SceneId scene, std::uint64_t 
   std::string data;
   const Status read = database.each(
       "SELECT checksum, data FROM snapshot_chunk WHERE snapshot = ? AND number = ?",
-      [&](const Statement& row) -> Status {
+      [&](const Row& row) -> Status {
         if (checksum_of(row.bytes(1)) != row.number(0)) {
-          return corrupt(database.file(),
-                         fmt::format("the snapshot of revision {} of the scene with the number {} "
-                                     "does not match its checksum",
-                                     revision, scene));
+          return database.corrupt(
+              fmt::format("the snapshot of revision {} of the scene with the number {} "
+                          "does not match its checksum",
+                          revision, scene));
         }
         data = row.copy_of_bytes(1);
         return {};

@@ -7,12 +7,12 @@
 
 #include "accel/result.h"
 #include "server/blobs/digest.h"
-#include "server/store/sqlite.h"
+#include "server/store/database.h"
 #include "server/store/store.h"
 
 namespace sightline::server::store {
 
-/// Errors of all: as Database::error().
+/// Errors of all: as Database.
 
 /// The row of a snapshot that is being written. An unfinished one of the revision becomes garbage.
 /// Errors: also those of Store::put_snapshot().

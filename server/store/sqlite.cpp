@@ -1,4 +1,4 @@
-// SQLite behind objects that clean up: a connection, prepared statements and blobs of bytes.
+// SQLite behind objects that clean up: a connection and its prepared statements.
 #include "server/store/sqlite.h"
 
 #include <fmt/format.h>
@@ -45,17 +45,60 @@ Error sqlite_error(sqlite3* handle, const std::filesystem::path& file) {
   }
 }
 
+void bind(sqlite3_stmt* statement, int index, const Parameter& parameter) {
+  if (const auto* number = std::get_if<std::int64_t>(&parameter)) {
+    sqlite3_bind_int64(statement, index, *number);
+  } else if (const auto* real = std::get_if<double>(&parameter)) {
+    sqlite3_bind_double(statement, index, *real);
+  } else if (const auto* text = std::get_if<std::string_view>(&parameter)) {
+    sqlite3_bind_text64(statement, index, text->data(), text->size(), SQLITE_STATIC, SQLITE_UTF8);
+  } else {
+    const auto bytes = std::get<std::span<const std::byte>>(parameter);
+    // A null pointer would bind NULL.
+    const void* begin = bytes.empty() ? static_cast<const void*>("") : bytes.data();
+    sqlite3_bind_blob64(statement, index, begin, bytes.size(), SQLITE_STATIC);
+  }
+}
+
+/// The row that a statement has stepped to.
+class SqliteRow final : public Row {
+ public:
+  explicit SqliteRow(sqlite3_stmt* statement) : statement_(statement) {}
+
+  std::int64_t number(int column) const override {
+    return sqlite3_column_int64(statement_, column);
+  }
+  double real(int column) const override { return sqlite3_column_double(statement_, column); }
+  std::string text(int column) const override {
+    const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement_, column));
+    return text == nullptr ? std::string() : std::string(text, size(column));
+  }
+  std::span<const std::byte> bytes(int column) const override {
+    const void* begin = sqlite3_column_blob(statement_, column);
+    return {static_cast<const std::byte*>(begin), size(column)};
+  }
+
+ private:
+  std::size_t size(int column) const {
+    return static_cast<std::size_t>(sqlite3_column_bytes(statement_, column));
+  }
+
+  sqlite3_stmt* statement_;
+};
+
 }  // namespace
 
-void Database::Close::operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
+void SqliteDatabase::Close::operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
 
-void Statement::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+void SqliteDatabase::Finalize::operator()(sqlite3_stmt* statement) const {
+  sqlite3_finalize(statement);
+}
 
-Result<Database> Database::open(const std::filesystem::path& file, const char* vfs) {
+Result<SqliteDatabase> SqliteDatabase::open(const std::filesystem::path& file, const char* vfs) {
   constexpr int kFlags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
   sqlite3* handle = nullptr;
   const int opened = sqlite3_open_v2(file.c_str(), &handle, kFlags, vfs);
-  Database database;
+  SqliteDatabase database;
   database.file_ = file;
   database.handle_.reset(handle);
   if (opened != SQLITE_OK) return database.error();
@@ -64,96 +107,49 @@ Result<Database> Database::open(const std::filesystem::path& file, const char* v
   return database;
 }
 
-Status Database::run(const char* statements) {
+Status SqliteDatabase::run(const char* statements) {
   if (sqlite3_exec(handle(), statements, nullptr, nullptr, nullptr) != SQLITE_OK) return error();
   return {};
 }
 
-Result<Statement*> Database::query(const char* query) {
+Result<sqlite3_stmt*> SqliteDatabase::prepare(const char* query) {
   const auto known = statements_.find(query);
-  if (known != statements_.end()) return &known->second;
+  if (known != statements_.end()) return known->second.get();
   sqlite3_stmt* prepared = nullptr;
   if (sqlite3_prepare_v3(handle(), query, -1, SQLITE_PREPARE_PERSISTENT, &prepared, nullptr) !=
       SQLITE_OK)
     return error();
-  Statement statement(file_, prepared);
-  return &statements_.emplace(query, std::move(statement)).first->second;
+  return statements_.emplace(query, Prepared(prepared)).first->second.get();
 }
 
-Error Database::error() const { return sqlite_error(handle(), file_); }
+Status SqliteDatabase::visit(const char* query, std::span<const Parameter> parameters,
+                             const OnRow& on_row) {
+  const auto prepared = prepare(query);
+  if (!prepared) return prepared.error();
+  sqlite3_stmt* const statement = *prepared;
+  int index = 0;
+  for (const Parameter& parameter : parameters) bind(statement, ++index, parameter);
+  const SqliteRow row(statement);
+  Status done;
+  int code = SQLITE_ROW;
+  while (done && (code = sqlite3_step(statement)) == SQLITE_ROW) done = on_row(row);
+  if (done && code != SQLITE_DONE) done = error();
+  sqlite3_reset(statement);
+  return done;
+}
 
-Status Database::commit() {
+Error SqliteDatabase::error() const { return sqlite_error(handle(), file_); }
+
+Error SqliteDatabase::corrupt(std::string_view what) const { return store::corrupt(file_, what); }
+
+Status SqliteDatabase::commit() {
   Status done = run("COMMIT");
   if (done || done.error().code != Code::kInternal || in_transaction()) return done;
   return file_error("commit to", file_, EIO);
 }
 
-bool Database::in_transaction() const { return sqlite3_get_autocommit(handle()) == 0; }
+bool SqliteDatabase::in_transaction() const { return sqlite3_get_autocommit(handle()) == 0; }
 
-std::int64_t Database::last_row() const { return sqlite3_last_insert_rowid(handle()); }
-
-std::int64_t Database::changes() const { return sqlite3_changes64(handle()); }
-
-Result<bool> Statement::step() {
-  const int code = sqlite3_step(statement_.get());
-  if (code == SQLITE_ROW) return true;
-  if (code == SQLITE_DONE) {
-    reset();
-    return false;
-  }
-  Error error = sqlite_error(sqlite3_db_handle(statement_.get()), file_);
-  reset();
-  return error;
-}
-
-void Statement::reset() { sqlite3_reset(statement_.get()); }
-
-void Statement::bind_at(int index, std::int64_t value) {
-  sqlite3_bind_int64(statement_.get(), index, value);
-}
-
-void Statement::bind_at(int index, double value) {
-  sqlite3_bind_double(statement_.get(), index, value);
-}
-
-void Statement::bind_at(int index, std::string_view text) {
-  sqlite3_bind_text64(statement_.get(), index, text.data(), text.size(), SQLITE_STATIC,
-                      SQLITE_UTF8);
-}
-
-void Statement::bind_at(int index, std::span<const std::byte> bytes) {
-  // A null pointer would bind NULL.
-  const void* begin = bytes.empty() ? static_cast<const void*>("") : bytes.data();
-  sqlite3_bind_blob64(statement_.get(), index, begin, bytes.size(), SQLITE_STATIC);
-}
-
-std::int64_t Statement::number(int column) const {
-  return sqlite3_column_int64(statement_.get(), column);
-}
-
-double Statement::real(int column) const { return sqlite3_column_double(statement_.get(), column); }
-
-std::string Statement::text(int column) const {
-  const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement_.get(), column));
-  return text == nullptr
-             ? std::string()
-             : std::string(
-                   text, static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column)));
-}
-
-std::span<const std::byte> Statement::bytes(int column) const {
-  const void* begin = sqlite3_column_blob(statement_.get(), column);
-  return {static_cast<const std::byte*>(begin),
-          static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column))};
-}
-
-std::string Statement::copy_of_bytes(int column) const {
-  const auto all = bytes(column);
-  return {reinterpret_cast<const char*>(all.data()), all.size()};
-}
-
-std::span<const std::byte> as_bytes(std::string_view text) {
-  return std::as_bytes(std::span(text.data(), text.size()));
-}
+std::int64_t SqliteDatabase::changes() const { return sqlite3_changes64(handle()); }
 
 }  // namespace sightline::server::store

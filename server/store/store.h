@@ -231,7 +231,25 @@ class Store {
   virtual const StoreLimits& limits() const = 0;
   /// Success if writes are taken: the last one did not fail, and the disk has room.
   virtual Status writable() = 0;
+
+  // --- Other processes.
+
+  /// Whether other processes write to the store, too: then a scene may have revisions that this one
+  /// has not made, and an append() that another process has forestalled ends with kAborted
+  /// (REVISION_MISMATCH).
+  virtual bool shared() const { return false; }
+
+  /// Scenes that may have changed; none: any of all. What has changed is then read by revision.
+  using Changed = std::function<void(std::span<const SceneId> scenes)>;
+
+  /// From now on calls `changed`, on a thread of the store, soon after another process has
+  /// committed, and at least every kWatchEvery while the store can be reached. Call it once. Must
+  /// not throw.
+  virtual void watch(const Changed& /*changed*/) {}
 };
+
+/// How late a commit of another process is noticed if its notice is lost.
+inline constexpr std::chrono::milliseconds kWatchEvery{250};
 
 /// Bytes.
 inline constexpr std::size_t kMaxSnapshotChunk = std::size_t{4} << 20;

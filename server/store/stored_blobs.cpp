@@ -90,7 +90,7 @@ Status StoredBlobs::store(BlobFiles::Fresh& fresh, const blobs::BlobDigest& dige
   if (Status published = files_.publish(fresh, digest); !published) return published;
   bool is_new = false;
   const auto now = std::chrono::system_clock::now();
-  Status done = writer_.perform([&](Database& database) {
+  Status done = writer_.perform(0, [&](Database& database) {
     Status inserted = insert_blob(database, digest, now);
     is_new = database.changes() > 0;
     return inserted;
@@ -190,7 +190,7 @@ Result<std::uint64_t> StoredBlobs::sweep(
 
 Status StoredBlobs::remove_rows(std::span<const BlobRow> rows, Clock::time_point since,
                                 std::vector<blobs::BlobDigest>& removed) {
-  return writer_.perform([&](Database& database) -> Status {
+  return writer_.perform(0, [&](Database& database) -> Status {
     removed.clear();
     for (const BlobRow& row : rows) {
       if (is_recent(row.digest, since)) continue;

@@ -1,8 +1,6 @@
 // The one thread that writes to a database: it commits what waits together.
 #include "server/store/writer.h"
 
-#include <sqlite3.h>
-
 #include <algorithm>
 #include <exception>
 #include <future>
@@ -12,7 +10,6 @@
 
 #include "server/exec/rpc_status.h"
 #include "server/store/errors.h"
-#include "server/store/purge.h"
 
 namespace sightline::server::store {
 namespace {
@@ -22,26 +19,13 @@ constexpr std::size_t kGroupSize = 1024;
 constexpr std::uint64_t kGroupBytes = std::uint64_t{16} << 20;
 /// After a transaction for several, how long the thread waits for as many to come again.
 constexpr std::chrono::milliseconds kGather{2};
-/// Pages in the write-ahead log from which on they are moved to the database.
-constexpr int kCheckpointPages = 4096;
-
-int pages_in_log(void* count, sqlite3* /*handle*/, const char* /*name*/, int pages) {
-  *static_cast<int*>(count) = pages;
-  return SQLITE_OK;
-}
-
-/// Whether the transaction failed for a reason that lies in the disk and not in the work.
-bool is_of_disk(const Error& error) {
-  return (error.code == Code::kUnavailable && error.reason != "STORE_BUSY") ||
-         error.reason == "DISK_FULL" || error.reason == "STORE_READ_ONLY";
-}
+/// Transactions for one group before it fails, where the engine says that another may succeed.
+constexpr int kAttempts = 3;
 
 }  // namespace
 
-Writer::Writer(Database database, DiskBudget& budget, const StoreLimits& limits)
-    : database_(std::move(database)), budget_(budget), limits_(limits) {
-  sqlite3_wal_hook(database_.handle(), pages_in_log, &log_pages_);
-  measure();
+Writer::Writer(std::unique_ptr<Engine> engine, const StoreLimits& limits)
+    : engine_(std::move(engine)), limits_(limits) {
   thread_ = std::thread([this] { loop(); });
 }
 
@@ -54,7 +38,7 @@ Writer::~Writer() {
   thread_.join();
 }
 
-Status Writer::submit(Run run, Done done, std::uint64_t bytes) {
+Status Writer::submit(SceneId scene, Run run, Done done, std::uint64_t bytes) {
   {
     const std::lock_guard lock(mutex_);
     if (figures_.in_flight >= limits_.batches_in_flight) {
@@ -66,7 +50,7 @@ Status Writer::submit(Run run, Done done, std::uint64_t bytes) {
       return over_limit("bytes_in_flight", figures_.bytes_in_flight + bytes,
                         limits_.bytes_in_flight, "TOO_MANY_COMMITS");
     }
-    queue_.push_back({std::move(run), std::move(done), bytes, true, {}, false});
+    queue_.push_back({std::move(run), std::move(done), bytes, scene, true, {}, false});
     ++entered_;
     ++figures_.in_flight;
     figures_.bytes_in_flight += bytes;
@@ -75,7 +59,7 @@ Status Writer::submit(Run run, Done done, std::uint64_t bytes) {
   return {};
 }
 
-Status Writer::perform(const Run& run) {
+Status Writer::perform(SceneId scene, const Run& run) {
   // Shared, as the writer may still be in set_value() when the caller goes on.
   const auto outcome = std::make_shared<std::promise<Status>>();
   {
@@ -83,6 +67,7 @@ Status Writer::perform(const Run& run) {
     queue_.push_back({run,
                       [outcome](const Status& status) { outcome->set_value(status); },
                       0,
+                      scene,
                       false,
                       {},
                       false});
@@ -152,21 +137,17 @@ void Writer::gather(std::unique_lock<std::mutex>& lock) {
 void Writer::commit(Group& group) {
   const auto begun = std::chrono::steady_clock::now();
   refuse_growth(group);
-  Status outcome = exec::to_status([&] { return heal(); });
-  if (outcome) outcome = exec::to_status([&] { return transact(group); });
-  if (database_.in_transaction()) (void)database_.run("ROLLBACK");
-  if (!outcome && is_of_disk(outcome.error())) unhealed_ = true;
+  const Status outcome = exec::to_status([&] { return transact(group); });
   if (!outcome) garbage_ = garbage_ && !group.empty();
   finish(group, outcome, std::chrono::steady_clock::now() - begun);
-  checkpoint();
-  measure();
+  engine_->settle(tight_);
 }
 
 /// Where the disk has no space, work that needs it fails, and the rest is done.
 void Writer::refuse_growth(Group& group) {
   std::uint64_t bytes = 0;
   for (const Work& work : group) bytes += work.bytes;
-  const Status fits = budget_.admit(bytes);
+  const Status fits = engine_->admit(bytes);
   tight_ = !fits;
   if (fits) return;
   for (Work& work : group) {
@@ -178,24 +159,46 @@ void Writer::refuse_growth(Group& group) {
 
 /// Runs all work and commits. If work undoes the transaction, it begins again without that work.
 Status Writer::transact(Group& group) {
-  for (std::size_t attempt = 0; attempt <= group.size(); ++attempt) {
-    if (Status begun = database_.run("BEGIN IMMEDIATE"); !begun) return begun;
-    if (Status ran = run_all(group); !ran) return ran;
-    if (!database_.in_transaction()) continue;
-    purge();
-    return database_.commit();
+  int failures = 0;
+  for (std::size_t attempt = 0; attempt <= group.size() + kAttempts; ++attempt) {
+    isolated_ = attempt > 0 || !engine_->avoids_savepoints();
+    bool committed = false;
+    Status done = exec::to_status([&] { return transact_once(group, committed); });
+    if (committed) return {};
+    if (engine_->database().in_transaction()) (void)engine_->database().run("ROLLBACK");
+    if (done) continue;
+    engine_->failed(done.error());
+    if (!engine_->can_repeat(done.error()) || ++failures == kAttempts) return done;
   }
   return Error{Code::kInternal, "the store's transaction was undone again and again", "UNEXPECTED"};
 }
 
-/// Fails if the disk has; then nothing of the group can be done.
+/// Success without `committed`: work has undone the transaction.
+Status Writer::transact_once(Group& group, bool& committed) {
+  std::vector<SceneId> scenes;
+  for (const Work& work : group) {
+    if (!work.ended && work.scene != 0) scenes.push_back(work.scene);
+  }
+  std::ranges::sort(scenes);
+  scenes.erase(std::ranges::unique(scenes).begin(), scenes.end());
+  if (Status begun = engine_->begin(scenes); !begun) return begun;
+  if (Status ran = run_all(group); !ran) return ran;
+  if (!engine_->database().in_transaction()) return {};
+  purge();
+  Status done = engine_->commit();
+  committed = done.ok();
+  return done;
+}
+
+/// Fails if the engine has; then nothing of the group can be done.
 Status Writer::run_all(Group& group) {
   for (Work& work : group) {
     if (work.ended) continue;
     work.status = exec::to_status([&] { return run_one(work); });
     if (work.status) continue;
-    if (is_of_disk(work.status.error())) return work.status;
-    if (!database_.in_transaction()) {
+    if (is_of_engine(work.status.error())) return work.status;
+    if (!isolated_) return engine_->database().run("ROLLBACK");
+    if (!engine_->database().in_transaction()) {
       work.ended = true;
       return {};
     }
@@ -204,13 +207,18 @@ Status Writer::run_all(Group& group) {
 }
 
 Status Writer::run_one(Work& work) {
-  if (Status begun = database_.execute("SAVEPOINT one"); !begun) return begun;
-  Status done = exec::to_status([&] { return work.run(database_); });
-  if (!database_.in_transaction()) return done;
+  return isolated_ ? run_isolated(work) : work.run(engine_->database());
+}
+
+/// What the work wrote is undone if it fails.
+Status Writer::run_isolated(Work& work) {
+  if (Status begun = engine_->database().execute("SAVEPOINT one"); !begun) return begun;
+  Status done = exec::to_status([&] { return work.run(engine_->database()); });
+  if (!engine_->database().in_transaction()) return done;
   if (!done) {
-    if (Status undone = database_.execute("ROLLBACK TO one"); !undone) return undone;
+    if (Status undone = engine_->database().execute("ROLLBACK TO one"); !undone) return undone;
   }
-  if (Status released = database_.execute("RELEASE one"); !released) return released;
+  if (Status released = engine_->database().execute("RELEASE one"); !released) return released;
   return done;
 }
 
@@ -219,45 +227,14 @@ void Writer::purge() {
   if (!garbage_) return;
   Work step;
   bool more = false;
-  step.run = [&](Database& database) -> Status {
-    const auto purged = purge_some(database);
+  step.run = [&](Database& /*database*/) -> Status {
+    const auto purged = engine_->purge(tight_);
     if (!purged) return purged.error();
     more = *purged;
-    return return_pages(database, tight_);
+    return {};
   };
-  const Status done = exec::to_status([&] { return run_one(step); });
+  const Status done = exec::to_status([&] { return run_isolated(step); });
   if (!done || !more) garbage_ = false;
-}
-
-/// After a failed transaction, the write-ahead log may end in pages of which it is unknown whether
-/// they are on disk. Moving all that was committed to the database and cutting the log removes
-/// them.
-Status Writer::heal() {
-  if (!unhealed_) return {};
-  if (sqlite3_wal_checkpoint_v2(database_.handle(), nullptr, SQLITE_CHECKPOINT_TRUNCATE, nullptr,
-                                nullptr) != SQLITE_OK)
-    return database_.error();
-  unhealed_ = false;
-  return {};
-}
-
-/// A checkpoint that fails is tried again later: the log still has everything. It does not wait for
-/// readers: the log begins anew when there is none.
-void Writer::checkpoint() {
-  if (unhealed_ || (log_pages_ < kCheckpointPages && !tight_)) return;
-  int pages = 0;
-  int moved = 0;
-  const int code = sqlite3_wal_checkpoint_v2(database_.handle(), nullptr, SQLITE_CHECKPOINT_PASSIVE,
-                                             &pages, &moved);
-  if (code == SQLITE_OK && pages == moved) log_pages_ = 0;
-}
-
-void Writer::measure() {
-  const auto size = database_.number("PRAGMA page_size");
-  const auto pages = database_.number("PRAGMA page_count");
-  const auto free = database_.number("PRAGMA freelist_count");
-  if (!size || !pages || !free) return;
-  budget_.set_database(static_cast<std::uint64_t>((**pages - **free + log_pages_) * **size));
 }
 
 /// Tells the callers how their work ended, in order.

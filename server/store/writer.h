@@ -7,14 +7,14 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <thread>
 #include <vector>
 
 #include "accel/result.h"
-#include "server/store/disk_budget.h"
+#include "server/store/engine.h"
 #include "server/store/limits.h"
-#include "server/store/sqlite.h"
 
 namespace sightline::server::store {
 
@@ -34,22 +34,22 @@ class Writer {
   using Run = std::function<Status(Database&)>;
   using Done = std::function<void(const Status&)>;
 
-  /// `budget` and `limits` outlive this object. `database`: set up, with tables.
-  Writer(Database database, DiskBudget& budget, const StoreLimits& limits);
+  /// `limits` outlives this object.
+  Writer(std::unique_ptr<Engine> engine, const StoreLimits& limits);
   /// Commits what is queued first.
   ~Writer();
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
 
-  /// Queues work that writes about `bytes`; `run` is called in a transaction, once or, if another's
-  /// failure undid the transaction, again. If it fails, what it wrote is undone. `done` is called
-  /// on the writer's thread once the transaction is on disk, or has failed. Errors:
+  /// Queues work that changes a scene and writes about `bytes`; `run` is called in a transaction,
+  /// once or, if that was undone, again. If it fails, what it wrote is undone. `done` is called on
+  /// the writer's thread once the transaction is on disk, or has failed. Errors:
   /// kResourceExhausted, and then nothing is queued.
-  Status submit(Run run, Done done, std::uint64_t bytes);
+  Status submit(SceneId scene, Run run, Done done, std::uint64_t bytes);
 
   /// The same for work that frees disk, or writes little: without limits, and waits. Not to be
-  /// called on the writer's thread.
-  Status perform(const Run& run);
+  /// called on the writer's thread. `scene`: 0 if it changes none that exists.
+  Status perform(SceneId scene, const Run& run);
 
   /// Waits until all that was queued before is done.
   void flush();
@@ -66,6 +66,7 @@ class Writer {
     Run run;
     Done done;
     std::uint64_t bytes = 0;
+    SceneId scene = 0;
     bool limited = false;
     Status status;
     bool ended = false;  // has failed, and is not run again
@@ -77,23 +78,20 @@ class Writer {
   void gather(std::unique_lock<std::mutex>& lock);
   void commit(Group& group);
   Status transact(Group& group);
+  Status transact_once(Group& group, bool& committed);
   Status run_all(Group& group);
   Status run_one(Work& work);
+  Status run_isolated(Work& work);
   void refuse_growth(Group& group);
   void purge();
-  Status heal();
-  void checkpoint();
-  void measure();
   void finish(Group& group, const Status& outcome, std::chrono::nanoseconds took);
 
-  Database database_;  // used by the thread
-  DiskBudget& budget_;
+  const std::unique_ptr<Engine> engine_;  // used by the thread
   const StoreLimits& limits_;
   std::size_t last_group_ = 0;  // used by the thread, as the next
-  int log_pages_ = 0;           // in the write-ahead log
-  bool unhealed_ = false;       // a transaction failed on the way to the disk
+  bool isolated_ = true;        // each piece of work has a savepoint
   bool tight_ = false;          // the disk had no space for the last group
-  std::atomic<bool> garbage_{true};
+  std::atomic<bool> garbage_{false};
 
   mutable std::mutex mutex_;  // protects the rest
   std::condition_variable queued_;

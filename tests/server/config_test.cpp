@@ -188,6 +188,22 @@ TEST(CommandLine, PrintsWhereEachValueComesFrom) {
   EXPECT_EQ(std::get<CommandLine>(again).config.quotas.others[0], 5u);
 }
 
+TEST(CommandLine, PrintsNoPassword) {
+  const Variable store("SIGHTLINED_STORE",
+                       "postgresql://user:hidden@one,two:5433/db?sslmode=require");
+  testing::internal::CaptureStdout();
+  const auto line = parse({"--print-config"});
+  const std::string text = testing::internal::GetCapturedStdout();
+  EXPECT_NE(text.find("store = \"postgresql://user@one,two:5433/db?sslmode=require\""
+                      "  # environment SIGHTLINED_STORE\n"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(text.find("hidden"), std::string::npos);
+  const auto config = std::get<CommandLine>(parse({})).config;
+  EXPECT_EQ(config.store, "postgresql://user:hidden@one,two:5433/db?sslmode=require");
+  EXPECT_TRUE(config.is_durable());
+}
+
 TEST(CommandLine, AcceptsTheFlagsOfSecurity) {
   const auto line = parse({"--listen", "unix:/run/s", "--tls-cert", "c", "--tls-key", "k",
                            "--tls-client-ca", "a", "--tokens", "t"});
@@ -201,7 +217,7 @@ TEST(CommandLine, AcceptsTheFlagsOfSecurity) {
 }
 
 TEST(CommandLine, AnyMistakeIsAUsageError) {
-  const std::vector<std::vector<const char*>> mistakes{{"--policy", "demand"},
+  const std::vector<std::vector<const char*>> mistakes{{"--policy", "never"},
                                                        {"--policy", "2"},
                                                        {"--threads", "0"},
                                                        {"--threads", "x"},

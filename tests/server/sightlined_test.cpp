@@ -224,6 +224,11 @@ TEST_F(Sightlined, ReportsWhyItDoesNotStart) {
   };
   expect_end({"--policy", "sometimes"}, 2, "sometimes");
   expect_end({"--listen", "0.0.0.0:0"}, 2, "--insecure");
+  expect_end({"--data-dir", root_ / "d", "--store", "postgresql://host/db"}, 2,
+             "exclude each other");
+  expect_end({"--store", "host/db", "--check-config"}, 2, "postgresql://USER@HOST");
+  expect_end({"--listen", "127.0.0.1:0", "--store", "postgresql://u@127.0.0.1:1/db"}, 1,
+             "postgresql://u@127.0.0.1:1/db");
   std::ofstream(root_ / "file") << "x";
   expect_end({"--listen", "127.0.0.1:0", "--data-dir", root_ / "file"}, 1,
              (root_ / "file").string());

@@ -22,7 +22,7 @@ namespace sightline::tests {
 
 struct Life {
   explicit Life(const std::filesystem::path& directory)
-      : store(*server::durable::open_store(directory)),
+      : store(*server::durable::open_store({.directory = directory})),
         blobs(memory, {}, store.get()),
         keeper({*store, blobs, compute}),
         scenes(memory, &keeper) {

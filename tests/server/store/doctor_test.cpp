@@ -45,7 +45,7 @@ class Doctor : public testing::Test {
   }
 
   void run(const char* statements) const {
-    auto database = Database::open(database_file(directory_.path()), nullptr);
+    auto database = SqliteDatabase::open(database_file(directory_.path()), nullptr);
     ASSERT_TRUE(database.ok());
     const Status done = database->run(statements);
     ASSERT_TRUE(done.ok()) << done.error().message;

@@ -65,7 +65,7 @@ constexpr const char* kVersion1 = R"(
 
 /// Runs statements on the database of a directory.
 void run(const Directory& directory, const char* statements) {
-  auto database = Database::open(database_file(directory.path()), nullptr);
+  auto database = SqliteDatabase::open(database_file(directory.path()), nullptr);
   ASSERT_TRUE(database.ok());
   const Status done = database->run(statements);
   ASSERT_TRUE(done.ok()) << done.error().message;

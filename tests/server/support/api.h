@@ -3,6 +3,7 @@
 
 #include <grpcpp/channel.h>
 
+#include <algorithm>
 #include <memory>
 #include <span>
 #include <string>
@@ -26,6 +27,14 @@ v1::Rays encode_rays(std::span<const accel::geometry::Ray> rays);
 
 /// The column of this field; empty if there is none.
 std::string column_of(const v1::CastRaysResponse& reply, v1::HitField field);
+/// As column_of(), as numbers.
+template <class T>
+std::vector<T> column_values(const v1::CastRaysResponse& reply, v1::HitField field) {
+  const std::string column = column_of(reply, field);
+  std::vector<T> values(column.size() / sizeof(T));
+  std::copy_n(column.data(), values.size() * sizeof(T), reinterpret_cast<char*>(values.data()));
+  return values;
+}
 
 /// The rows of a reply that has the fields T, NODE, PRIMITIVE, BARYCENTRIC, NORMAL and HIT.
 std::vector<accel::geometry::Hit> decode_hits(const v1::CastRaysResponse& reply);

@@ -1,13 +1,12 @@
-// The embedded store: what is kept over a restart, in which order, and what is refused.
-#include "server/store/sqlite_store.h"
+// A store of each engine: what is kept over a restart, in which order, and what is refused.
+#include "server/store/store.h"
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <future>
 #include <thread>
 
-#include "tests/server/store/directory.h"
+#include "tests/server/store/store_kinds.h"
 #include "tests/server/store/store_steps.h"
 
 namespace sightline::server::store {
@@ -16,27 +15,25 @@ namespace {
 using tests::append;
 using tests::blob_bytes;
 using tests::digest_of_blob;
-using tests::Directory;
 using tests::log_of;
 using tests::make_scene;
-using tests::open_store;
 using tests::put_snapshot;
 using tests::reason_of;
 using tests::store_blob;
+using tests::StoreTest;
 
 using Strings = std::vector<std::string>;
 
-TEST(SqliteStore, KeepsScenesOverARestart) {
-  const Directory directory;
+TEST_P(StoreTest, KeepsScenesOverARestart) {
   const SceneInfo city{"projects/p/scenes/city", 18446744073709551615ull, UpAxis::kZ, 0.01};
-  auto store = open_store(directory.path());
+  auto store = open();
   ASSERT_TRUE(store->create_scene({.name = "projects/p/scenes/z"}).ok());
   const auto id = store->create_scene(city);
   ASSERT_TRUE(id.ok());
   ASSERT_TRUE(append(*store, *id, 0, "first").ok());
   store.reset();
 
-  store = open_store(directory.path());
+  store = open();
   const auto scenes = store->scenes();
   ASSERT_TRUE(scenes.ok());
   ASSERT_EQ(scenes->size(), 2u);
@@ -51,16 +48,14 @@ TEST(SqliteStore, KeepsScenesOverARestart) {
   EXPECT_EQ(kept.base, 0u);
 }
 
-TEST(SqliteStore, RefusesASecondSceneOfAName) {
-  const Directory directory;
-  const auto store = open_store(directory.path());
+TEST_P(StoreTest, RefusesASecondSceneOfAName) {
+  const auto store = open();
   make_scene(*store, "a");
   EXPECT_EQ(reason_of(store->create_scene({.name = "a"})), "SCENE_EXISTS");
 }
 
-TEST(SqliteStore, RemovesAScene) {
-  const Directory directory;
-  const auto store = open_store(directory.path());
+TEST_P(StoreTest, RemovesAScene) {
+  const auto store = open();
   const SceneId scene = make_scene(*store, "a");
   ASSERT_TRUE(append(*store, scene, 0, "first").ok());
   ASSERT_TRUE(store->remove_scene(scene).ok());
@@ -72,9 +67,8 @@ TEST(SqliteStore, RemovesAScene) {
   EXPECT_EQ(*log_of(*store, again), Strings{});
 }
 
-TEST(SqliteStore, ReadsTheLogInBoundedParts) {
-  const Directory directory;
-  const auto store = open_store(directory.path());
+TEST_P(StoreTest, ReadsTheLogInBoundedParts) {
+  const auto store = open();
   const SceneId scene = make_scene(*store, "a");
   for (std::uint64_t i = 0; i < 10; ++i)
     ASSERT_TRUE(append(*store, scene, i, std::string(100, static_cast<char>('a' + i))).ok());
@@ -87,9 +81,8 @@ TEST(SqliteStore, ReadsTheLogInBoundedParts) {
   EXPECT_EQ(store->read(scene, 10, 1000)->size(), 0u);
 }
 
-TEST(SqliteStore, FailsWhatBuildsOnAFailedBatch) {
-  const Directory directory;
-  const auto store = open_store(directory.path());
+TEST_P(StoreTest, FailsWhatBuildsOnAFailedBatch) {
+  const auto store = open();
   const SceneId scene = make_scene(*store, "a");
   const SceneId other = make_scene(*store, "b");
   std::vector<std::string> reasons(4);
@@ -107,34 +100,32 @@ TEST(SqliteStore, FailsWhatBuildsOnAFailedBatch) {
   EXPECT_EQ(*log_of(*store, other), Strings{"x"});
 }
 
-TEST(SqliteStore, CommitsManyThreadsWithoutGaps) {
-  const Directory directory;
-  auto store = open_store(directory.path());
+TEST_P(StoreTest, CommitsManyThreadsWithoutGaps) {
+  auto store = open();
   constexpr int kThreads = 8;
-  constexpr std::uint64_t kBatches = 50;
+  constexpr std::uint64_t kBatchesEach = 50;
   std::vector<SceneId> scenes;
   for (int i = 0; i < kThreads; ++i) scenes.push_back(make_scene(*store, std::to_string(i)));
   std::vector<std::thread> threads;
   for (int i = 0; i < kThreads; ++i) {
     threads.emplace_back([&, scene = scenes[static_cast<std::size_t>(i)]] {
-      for (std::uint64_t r = 0; r < kBatches; ++r)
+      for (std::uint64_t r = 0; r < kBatchesEach; ++r)
         EXPECT_TRUE(append(*store, scene, r, std::to_string(r)).ok());
     });
   }
   for (std::thread& thread : threads) thread.join();
-  EXPECT_EQ(store->figures().batches, kThreads * kBatches);
+  EXPECT_EQ(store->figures().batches, kThreads * kBatchesEach);
   EXPECT_EQ(store->figures().batches_in_flight, 0u);
   store = nullptr;
-  store = open_store(directory.path());
-  for (const SceneId scene : scenes) EXPECT_EQ(log_of(*store, scene)->size(), kBatches);
+  store = open();
+  for (const SceneId scene : scenes) EXPECT_EQ(log_of(*store, scene)->size(), kBatchesEach);
 }
 
-TEST(SqliteStore, KeepsTheLastAnswers) {
-  const Directory directory;
+TEST_P(StoreTest, KeepsTheLastAnswers) {
   StoreLimits limits = tests::small_disk();
   limits.answers = 3;
   limits.answer_nodes = 10;
-  auto store = std::move(*SqliteStore::open(directory.path(), limits));
+  auto store = open(limits);
   const SceneId scene = make_scene(*store, "a");
   const auto answer = [&](std::uint64_t revision, std::vector<NodeId> nodes) {
     Batch batch{scene, revision - 1, "u", {}, {}, {}};
@@ -158,11 +149,10 @@ TEST(SqliteStore, KeepsTheLastAnswers) {
   EXPECT_EQ(store->scene(scene)->revision, 6u) << "nothing of the refused batch stays";
 }
 
-TEST(SqliteStore, KeepsWhatProducersCommitted) {
-  const Directory directory;
+TEST_P(StoreTest, KeepsWhatProducersCommitted) {
   StoreLimits limits = tests::small_disk();
   limits.puts = 2;
-  auto store = std::move(*SqliteStore::open(directory.path(), limits));
+  auto store = open(limits);
   const SceneId scene = make_scene(*store, "a");
   Batch coalesced{scene, 0, "u", {}, {}, {{"lidar", 1, {1}}, {"lidar", 2, {2, 3}}}};
   ASSERT_TRUE(append(*store, coalesced).ok());
@@ -172,7 +162,7 @@ TEST(SqliteStore, KeepsWhatProducersCommitted) {
   ASSERT_TRUE(append(*store, {scene, 1, "u", {}, {}, {{"lidar", 4, {8, 7}}}}).ok());
   store.reset();
 
-  store = open_store(directory.path());
+  store = open();
   const auto producers = store->producers(scene);
   ASSERT_EQ(producers->size(), 2u);
   EXPECT_EQ(producers->front().name, "arm");
@@ -188,9 +178,8 @@ TEST(SqliteStore, KeepsWhatProducersCommitted) {
   EXPECT_EQ(reason_of(append(*store, repeated)), "SEQUENCE_KNOWN");
 }
 
-TEST(SqliteStore, ContinuesTheLogAfterASnapshot) {
-  const Directory directory;
-  auto store = open_store(directory.path());
+TEST_P(StoreTest, ContinuesTheLogAfterASnapshot) {
+  auto store = open();
   const SceneId scene = make_scene(*store, "a");
   for (std::uint64_t i = 0; i < 6; ++i) ASSERT_TRUE(append(*store, scene, i, "0123456789").ok());
   EXPECT_EQ(reason_of(store->drop_before(scene, 4)), "NO_SNAPSHOT");
@@ -201,7 +190,7 @@ TEST(SqliteStore, ContinuesTheLogAfterASnapshot) {
   ASSERT_TRUE(store->drop_before(scene, 4).ok());
   store.reset();
 
-  store = open_store(directory.path());
+  store = open();
   const auto record = store->scene(scene);
   EXPECT_EQ(record->base, 4u);
   EXPECT_EQ(record->snapshots, std::vector<std::uint64_t>{4});
@@ -215,9 +204,8 @@ TEST(SqliteStore, ContinuesTheLogAfterASnapshot) {
   EXPECT_EQ(reason_of(put_snapshot(*store, scene, 3, {"x"})), "REVISION_NOT_KEPT");
 }
 
-TEST(SqliteStore, KeepsNothingOfAFailedSnapshot) {
-  const Directory directory;
-  const auto store = open_store(directory.path());
+TEST_P(StoreTest, KeepsNothingOfAFailedSnapshot) {
+  const auto store = open();
   const SceneId scene = make_scene(*store, "a");
   ASSERT_TRUE(append(*store, scene, 0, "u").ok());
   int calls = 0;
@@ -231,9 +219,8 @@ TEST(SqliteStore, KeepsNothingOfAFailedSnapshot) {
   EXPECT_EQ(reason_of(put_snapshot(*store, scene + 1, 1, {"x"})), "SCENE_NOT_FOUND");
 }
 
-TEST(SqliteStore, ARestoredSceneReplacesAnother) {
-  const Directory directory;
-  auto store = open_store(directory.path());
+TEST_P(StoreTest, ARestoredSceneReplacesAnother) {
+  auto store = open();
   const SceneId before = make_scene(*store, "a");
   ASSERT_TRUE(append(*store, before, 0, "u").ok());
   const auto blob = digest_of_blob(blob_bytes(1));
@@ -255,7 +242,7 @@ TEST(SqliteStore, ARestoredSceneReplacesAnother) {
   ASSERT_TRUE(append(*store, *id, 5, "next").ok());
   store.reset();
 
-  store = open_store(directory.path());
+  store = open();
   ASSERT_EQ(store->scenes()->size(), 1u);
   const SceneRecord kept = store->scenes()->front();
   EXPECT_EQ(kept.id, *id);
@@ -270,9 +257,8 @@ TEST(SqliteStore, ARestoredSceneReplacesAnother) {
   EXPECT_EQ(*log_of(*store, *empty), Strings{});
 }
 
-TEST(SqliteStore, RefusesASnapshotOfASceneThatIsRemovedMeanwhile) {
-  const Directory directory;
-  const auto store = open_store(directory.path());
+TEST_P(StoreTest, RefusesASnapshotOfASceneThatIsRemovedMeanwhile) {
+  const auto store = open();
   const SceneId scene = make_scene(*store, "a");
   ASSERT_TRUE(append(*store, scene, 0, "u").ok());
   int calls = 0;
@@ -284,12 +270,11 @@ TEST(SqliteStore, RefusesASnapshotOfASceneThatIsRemovedMeanwhile) {
   EXPECT_EQ(reason_of(failed), "SCENE_NOT_FOUND");
 }
 
-TEST(SqliteStore, RefusesBeyondTheLimitsOfALog) {
-  const Directory directory;
+TEST_P(StoreTest, RefusesBeyondTheLimitsOfALog) {
   StoreLimits limits = tests::small_disk();
   limits.log_revisions = 3;
   limits.log_bytes = 20;
-  const auto store = std::move(*SqliteStore::open(directory.path(), limits));
+  const auto store = open(limits);
   const SceneId few = make_scene(*store, "few");
   for (std::uint64_t i = 0; i < 3; ++i) ASSERT_TRUE(append(*store, few, i, "u").ok());
   const Status beyond = append(*store, few, 3, "u");
@@ -304,11 +289,10 @@ TEST(SqliteStore, RefusesBeyondTheLimitsOfALog) {
             "log_bytes would be 21, the limit is 20");
 }
 
-TEST(SqliteStore, RefusesMoreThanItsQueueHolds) {
-  const Directory directory;
+TEST_P(StoreTest, RefusesMoreThanItsQueueHolds) {
   StoreLimits limits = tests::small_disk();
   limits.batches_in_flight = 2;
-  const auto store = std::move(*SqliteStore::open(directory.path(), limits));
+  const auto store = open(limits);
   const SceneId scene = make_scene(*store, "a");
   std::promise<void> release;
   const auto held = release.get_future().share();
@@ -329,44 +313,7 @@ TEST(SqliteStore, RefusesMoreThanItsQueueHolds) {
   EXPECT_EQ(store->scene(scene)->revision, queued);
 }
 
-TEST(SqliteStore, KeepsALeastFreeDisk) {
-  const Directory directory;
-  StoreLimits limits;
-  limits.min_free_disk = std::uint64_t{1} << 60;
-  const auto store = std::move(*SqliteStore::open(directory.path(), limits));
-  const auto refused = store->create_scene({.name = "a"});
-  EXPECT_EQ(reason_of(refused), "DISK_FULL");
-  EXPECT_NE(refused.error().message.find("min_free_disk is 1152921504606846976"),
-            std::string::npos);
-  EXPECT_EQ(reason_of(store->writable()), "DISK_FULL");
-  EXPECT_EQ(reason_of(store_blob(*store, "abc")), "DISK_FULL");
-}
-
-TEST(SqliteStore, BoundsTheBytesOnDisk) {
-  const Directory directory;
-  StoreLimits limits = tests::small_disk();
-  limits.disk_bytes = 1 << 20;
-  const auto store = std::move(*SqliteStore::open(directory.path(), limits));
-  const SceneId scene = make_scene(*store, "a");
-  EXPECT_EQ(reason_of(store_blob(*store, blob_bytes(1, 2 << 20))), "TOO_MANY_BYTES");
-  std::uint64_t revision = 0;
-  Status last;
-  while ((last = append(*store, scene, revision, std::string(100'000, 'x'))) && revision < 100)
-    ++revision;
-  EXPECT_EQ(reason_of(last), "TOO_MANY_BYTES");
-  EXPECT_GT(revision, 3u);
-  // What is freed can be used again.
-  ASSERT_TRUE(store->remove_scene(scene).ok());
-  for (int i = 0; i < 1000 && store->figures().bytes_on_disk > limits.disk_bytes / 2; ++i) {
-    store->flush();
-    std::this_thread::yield();
-  }
-  const SceneId next = make_scene(*store, "b");
-  Status again = append(*store, next, 0, std::string(100'000, 'x'));
-  for (int i = 0; i < 1000 && !again; ++i)
-    again = append(*store, next, 0, std::string(100'000, 'x'));
-  EXPECT_TRUE(again.ok()) << again.error().message;
-}
+RUN_ON_ALL_ENGINES(StoreTest);
 
 }  // namespace
 }  // namespace sightline::server::store

@@ -1,5 +1,5 @@
-// Blobs of the embedded store: what is kept over a restart, what is refused, and what is swept.
-#include "server/store/sqlite_store.h"
+// Blobs of a store of each engine: what is kept over a restart, what is refused, and what is swept.
+#include "server/store/store.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <future>
 #include <thread>
 
-#include "tests/server/store/directory.h"
+#include "tests/server/store/store_kinds.h"
 #include "tests/server/store/store_steps.h"
 
 namespace sightline::server::store {
@@ -16,18 +16,17 @@ namespace {
 using tests::append;
 using tests::blob_bytes;
 using tests::digest_of_blob;
-using tests::Directory;
 using tests::make_scene;
-using tests::open_store;
 using tests::put_snapshot;
 using tests::reason_of;
 using tests::store_blob;
 
 constexpr std::chrono::seconds kNoGrace{0};
 
-TEST(SqliteBlobs, KeepsBlobsOverARestart) {
-  const Directory directory;
-  auto store = open_store(directory.path());
+class StoreBlobs : public tests::StoreTest {};
+
+TEST_P(StoreBlobs, KeepsBlobsOverARestart) {
+  auto store = open();
   const std::string bytes = blob_bytes(1, 100'000);
   const auto digest = digest_of_blob(bytes);
   EXPECT_FALSE(store->has_blob(digest));
@@ -36,16 +35,15 @@ TEST(SqliteBlobs, KeepsBlobsOverARestart) {
   EXPECT_EQ(reason_of(store->write_blob(digest)), "BLOB_STORED");
   EXPECT_EQ(store->figures().blob_bytes, bytes.size());
   store.reset();
-  store = open_store(directory.path());
+  store = open();
   EXPECT_TRUE(store->has_blob(digest));
   EXPECT_EQ(store->figures().blob_bytes, bytes.size());
   EXPECT_EQ(*tests::load_blob(*store, digest), bytes);
   EXPECT_EQ(reason_of(tests::load_blob(*store, digest_of_blob("x"))), "BLOB_NOT_STORED");
 }
 
-TEST(SqliteBlobs, RefusesBytesThatAreNotThoseOfTheDigest) {
-  const Directory directory;
-  const auto store = open_store(directory.path());
+TEST_P(StoreBlobs, RefusesBytesThatAreNotThoseOfTheDigest) {
+  const auto store = open();
   const std::string bytes = blob_bytes(1);
   std::string wrong = bytes;
   wrong[3] = '!';
@@ -57,12 +55,10 @@ TEST(SqliteBlobs, RefusesBytesThatAreNotThoseOfTheDigest) {
     EXPECT_EQ(reason_of(writer->finish()), "DIGEST_MISMATCH");
   }
   EXPECT_FALSE(store->has_blob(digest));
-  EXPECT_TRUE(std::filesystem::is_empty(directory.path() / "blobs" / "tmp"));
 }
 
-TEST(SqliteBlobs, TwoWritersOfABlobBothSucceed) {
-  const Directory directory;
-  const auto store = open_store(directory.path());
+TEST_P(StoreBlobs, TwoWritersOfABlobBothSucceed) {
+  const auto store = open();
   const std::string bytes = blob_bytes(1);
   const auto one = std::move(*store->write_blob(digest_of_blob(bytes)));
   const auto two = std::move(*store->write_blob(digest_of_blob(bytes)));
@@ -73,9 +69,8 @@ TEST(SqliteBlobs, TwoWritersOfABlobBothSucceed) {
   EXPECT_EQ(store->figures().blobs, 1u);
 }
 
-TEST(SqliteBlobs, SweepsBlobsThatNothingNames) {
-  const Directory directory;
-  const auto store = open_store(directory.path());
+TEST_P(StoreBlobs, SweepsBlobsThatNothingNames) {
+  const auto store = open();
   std::vector<blobs::BlobDigest> digests;
   for (int i = 0; i < 5; ++i) {
     ASSERT_TRUE(store_blob(*store, blob_bytes(i)).ok());
@@ -97,9 +92,8 @@ TEST(SqliteBlobs, SweepsBlobsThatNothingNames) {
   EXPECT_EQ(reason_of(append(*store, scene, 2, "u", {digests[3]})), "BLOB_NOT_STORED");
 }
 
-TEST(SqliteBlobs, ASweptBlobThatIsMappedStaysReadable) {
-  const Directory directory;
-  const auto store = open_store(directory.path());
+TEST_P(StoreBlobs, ASweptBlobThatIsMappedStaysReadable) {
+  const auto store = open();
   const std::string bytes = blob_bytes(1);
   ASSERT_TRUE(store_blob(*store, bytes).ok());
   const auto mapped = std::move(*store->blob(digest_of_blob(bytes)));
@@ -107,9 +101,8 @@ TEST(SqliteBlobs, ASweptBlobThatIsMappedStaysReadable) {
   EXPECT_TRUE(std::ranges::equal(mapped->bytes(), std::as_bytes(std::span(bytes))));
 }
 
-TEST(SqliteBlobs, SweepsTheBlobsOfARemovedScene) {
-  const Directory directory;
-  const auto store = open_store(directory.path());
+TEST_P(StoreBlobs, SweepsTheBlobsOfARemovedScene) {
+  const auto store = open();
   const std::string bytes = blob_bytes(1);
   ASSERT_TRUE(store_blob(*store, bytes).ok());
   const SceneId scene = make_scene(*store, "a");
@@ -133,6 +126,8 @@ TEST(SqliteBlobs, SweepsTheBlobsOfARemovedScene) {
   }
   EXPECT_EQ(swept, bytes.size());
 }
+
+RUN_ON_ALL_ENGINES(StoreBlobs);
 
 }  // namespace
 }  // namespace sightline::server::store

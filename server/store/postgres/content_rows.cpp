@@ -1,0 +1,124 @@
+// The bytes of blobs as rows: chunks of a content, which a blob names when it is complete.
+#include "server/store/postgres/content_rows.h"
+
+#include "server/store/blob_rows.h"
+#include "server/store/milliseconds.h"
+#include "server/store/postgres/tables.h"
+
+namespace sightline::server::store::postgres {
+namespace {
+
+/// A content that no blob names after this is of a process that has died.
+constexpr std::chrono::hours kUploadTime{1};
+
+std::span<const std::byte> sum_bytes(const blobs::BlobDigest& digest) {
+  return std::as_bytes(std::span(digest.sum));
+}
+
+/// It is garbage when the transaction ends.
+Status drop_content(Database& database, std::int64_t content) {
+  return database.execute("UPDATE content SET named = 0, begun = 0 WHERE id = ?", content);
+}
+
+}  // namespace
+
+Result<std::int64_t> begin_content(Database& database) {
+  const auto time = now(database);
+  if (!time) return time.error();
+  const auto id = database.number("INSERT INTO content(begun) VALUES(?) RETURNING id", *time);
+  if (!id) return id.error();
+  return id->value_or(0);
+}
+
+Status insert_content_chunk(Database& database, std::int64_t content, std::uint64_t number,
+                            std::span<const std::byte> bytes) {
+  return database.execute("INSERT INTO content_chunk VALUES(?, ?, ?)", content, number, bytes);
+}
+
+Status name_content(Database& database, const blobs::BlobDigest& digest, std::int64_t content) {
+  const auto time = now(database);
+  if (!time) return time.error();
+  const auto fresh = database.number(
+      "INSERT INTO blob(sum, size, stored, content) VALUES(?, ?, ?, ?) "
+      "ON CONFLICT(sum) DO NOTHING RETURNING id",
+      sum_bytes(digest), digest.size, *time, content);
+  if (!fresh) return fresh.error();
+  Status done;
+  if (!*fresh) {
+    const auto old = database.number("SELECT content FROM blob WHERE sum = ? FOR NO KEY UPDATE",
+                                     sum_bytes(digest));
+    if (!old) return old.error();
+    if (done = drop_content(database, old->value_or(0)); !done) return done;
+    done = database.execute("UPDATE blob SET content = ?, stored = ? WHERE sum = ?", content, *time,
+                            sum_bytes(digest));
+  }
+  if (!done) return done;
+  return database.execute("UPDATE content SET named = 1 WHERE id = ?", content);
+}
+
+Result<std::optional<std::int64_t>> find_content(Database& database,
+                                                 const blobs::BlobDigest& digest) {
+  return database.number("SELECT content FROM blob WHERE sum = ? AND size = ?", sum_bytes(digest),
+                         digest.size);
+}
+
+Result<std::optional<std::chrono::milliseconds>> age_of_blob(Database& database,
+                                                             const blobs::BlobDigest& digest) {
+  const auto time = now(database);
+  if (!time) return time.error();
+  const auto stored = database.number("SELECT stored FROM blob WHERE sum = ? AND size = ?",
+                                      sum_bytes(digest), digest.size);
+  if (!stored) return stored.error();
+  std::optional<std::chrono::milliseconds> age;
+  if (*stored) age = std::chrono::milliseconds(*time - **stored);
+  return age;
+}
+
+Result<bool> touch_blob(Database& database, const blobs::BlobDigest& digest) {
+  const auto time = now(database);
+  if (!time) return time.error();
+  const Status done = database.execute("UPDATE blob SET stored = ? WHERE sum = ? AND size = ?",
+                                       *time, sum_bytes(digest), digest.size);
+  if (!done) return done.error();
+  return database.changes() > 0;
+}
+
+Result<bool> lock_blob(Database& database, std::int64_t blob,
+                       std::chrono::system_clock::time_point before) {
+  const auto id =
+      database.number("SELECT id FROM blob WHERE id = ? AND stored < ? FOR UPDATE SKIP LOCKED",
+                      blob, to_milliseconds(before));
+  if (!id) return id.error();
+  return id->has_value();
+}
+
+Result<bool> delete_with_content(Database& database, std::int64_t blob) {
+  const auto content = database.number("SELECT content FROM blob WHERE id = ?", blob);
+  if (!content) return content.error();
+  auto deleted = delete_unnamed(database, blob);
+  if (!deleted || !*deleted) return deleted;
+  if (const Status dropped = drop_content(database, content->value_or(0)); !dropped)
+    return dropped.error();
+  return true;
+}
+
+Result<bool> purge_contents(Database& database) {
+  const auto time = now(database);
+  if (!time) return time.error();
+  const auto content = database.number(
+      "SELECT id FROM content WHERE named = 0 AND begun < ? ORDER BY begun LIMIT 1 "
+      "FOR UPDATE SKIP LOCKED",
+      *time - std::chrono::milliseconds(kUploadTime).count());
+  if (!content) return content.error();
+  if (!*content) return false;
+  Status done = database.execute(
+      "DELETE FROM content_chunk WHERE (content, number) IN "
+      "(SELECT content, number FROM content_chunk WHERE content = ? LIMIT 64)",
+      **content);
+  if (done && database.changes() == 0)
+    done = database.execute("DELETE FROM content WHERE id = ?", **content);
+  if (!done) return done.error();
+  return true;
+}
+
+}  // namespace sightline::server::store::postgres

@@ -1,0 +1,20 @@
+// The tables of a store in PostgreSQL, and their versions.
+#pragma once
+
+#include "accel/result.h"
+#include "server/store/postgres/connection.h"
+
+namespace sightline::server::store::postgres {
+
+/// Of the tables that this program writes.
+inline constexpr int kTablesVersion = 1;
+
+/// Makes the tables, if there are none. Several processes may call it at a time. Errors:
+/// kFailedPrecondition (STORE_NEWER: a newer version has made them; NOT_A_STORE: another program
+/// has), as Database.
+Status prepare_tables(Connection& connection, const Address& address);
+
+/// Milliseconds since 1970, by the clock of the server: those of several replicas may differ.
+Result<std::int64_t> now(Database& database);
+
+}  // namespace sightline::server::store::postgres

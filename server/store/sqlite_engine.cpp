@@ -1,0 +1,97 @@
+// SQLite as a writer uses it: its write-ahead log, its pages, its disk.
+#include "server/store/sqlite_engine.h"
+
+#include <sqlite3.h>
+
+#include <utility>
+
+#include "server/store/errors.h"
+#include "server/store/purge.h"
+
+namespace sightline::server::store {
+namespace {
+
+/// Pages in the write-ahead log from which on they are moved to the database.
+constexpr int kCheckpointPages = 4096;
+/// Pages that may stay free for new rows: a share of all, and at least a number.
+constexpr std::int64_t kFreeShare = 4;
+constexpr std::int64_t kFreePages = 4096;
+
+int pages_in_log(void* count, sqlite3* /*handle*/, const char* /*name*/, int pages) {
+  *static_cast<int*>(count) = pages;
+  return SQLITE_OK;
+}
+
+}  // namespace
+
+SqliteEngine::SqliteEngine(SqliteDatabase database, DiskBudget& budget)
+    : database_(std::move(database)), budget_(budget) {
+  sqlite3_wal_hook(database_.handle(), pages_in_log, &log_pages_);
+  measure();
+}
+
+/// There is one writer: scenes need no locks.
+Status SqliteEngine::begin(std::span<const SceneId> /*scenes*/) {
+  if (Status healed = heal(); !healed) return healed;
+  return database_.run("BEGIN IMMEDIATE");
+}
+
+void SqliteEngine::failed(const Error& error) {
+  if (is_of_engine(error)) unhealed_ = true;
+}
+
+Result<bool> SqliteEngine::purge(bool all) {
+  auto more = purge_some(database_);
+  if (!more) return more;
+  if (const Status returned = return_pages(all); !returned) return returned.error();
+  return more;
+}
+
+/// Gives a bounded number of free pages back to the file system, if they are many, or `all`.
+Status SqliteEngine::return_pages(bool all) {
+  const auto free = database_.number("PRAGMA freelist_count");
+  if (!free) return free.error();
+  const auto pages = database_.number("PRAGMA page_count");
+  if (!pages) return pages.error();
+  const bool many = **free > kFreePages && **free > **pages / kFreeShare;
+  if (**free == 0 || (!many && !all)) return {};
+  return database_.execute("PRAGMA incremental_vacuum(1024)");
+}
+
+/// After a failed transaction, the write-ahead log may end in pages of which it is unknown whether
+/// they are on disk. Moving all that was committed to the database and cutting the log removes
+/// them.
+Status SqliteEngine::heal() {
+  if (!unhealed_) return {};
+  if (sqlite3_wal_checkpoint_v2(database_.handle(), nullptr, SQLITE_CHECKPOINT_TRUNCATE, nullptr,
+                                nullptr) != SQLITE_OK)
+    return database_.error();
+  unhealed_ = false;
+  return {};
+}
+
+void SqliteEngine::settle(bool tight) {
+  checkpoint(tight);
+  measure();
+}
+
+/// A checkpoint that fails is tried again later: the log still has everything. It does not wait for
+/// readers: the log begins anew when there is none.
+void SqliteEngine::checkpoint(bool tight) {
+  if (unhealed_ || (log_pages_ < kCheckpointPages && !tight)) return;
+  int pages = 0;
+  int moved = 0;
+  const int code = sqlite3_wal_checkpoint_v2(database_.handle(), nullptr, SQLITE_CHECKPOINT_PASSIVE,
+                                             &pages, &moved);
+  if (code == SQLITE_OK && pages == moved) log_pages_ = 0;
+}
+
+void SqliteEngine::measure() {
+  const auto size = database_.number("PRAGMA page_size");
+  const auto pages = database_.number("PRAGMA page_count");
+  const auto free = database_.number("PRAGMA freelist_count");
+  if (!size || !pages || !free) return;
+  budget_.set_database(static_cast<std::uint64_t>((**pages - **free + log_pages_) * **size));
+}
+
+}  // namespace sightline::server::store
