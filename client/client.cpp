@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <concepts>
 #include <utility>
 
 #include "client/calls/apply.h"
@@ -34,21 +35,19 @@ Result<Response> call(const calls::Connection& connection, const Stub& stub,
                       const Request& request, const std::stop_token& stop = {}) {
   grpc::ClientContext context;
   calls::set_timeout(context, connection.small_timeout());
+  if constexpr (requires {
+                  { request.scene() } -> std::convertible_to<std::string>;
+                })
+    calls::set_route(context, request.scene());
+  if constexpr (requires {
+                  { request.name() } -> std::convertible_to<std::string>;
+                })
+    calls::set_route(context, request.name());
   const std::stop_callback cancel(stop, [&] { context.TryCancel(); });
   Response response;
   const grpc::Status status = ((*stub).*method)(&context, request, &response);
   if (!status.ok()) return calls::rpc_error(status, stop);
   return response;
-}
-
-// Whether the text is HOST:PORT, with a host and up to 5 digits, or unix:PATH.
-bool is_endpoint(const std::string& text) {
-  if (text.starts_with("unix:")) return text.size() > 5;
-  const std::size_t colon = text.rfind(':');
-  if (colon == std::string::npos || colon == 0 || colon + 1 == text.size()) return false;
-  return text.size() - colon <= 6 &&
-         std::all_of(text.begin() + static_cast<std::ptrdiff_t>(colon) + 1, text.end(),
-                     [](char c) { return c >= '0' && c <= '9'; });
 }
 
 }  // namespace
@@ -60,15 +59,13 @@ Client& Client::operator=(Client&&) noexcept = default;
 Client::~Client() = default;
 
 Result<Client> Client::connect(const std::string& endpoint, const ClientOptions& options) {
-  if (!is_endpoint(endpoint)) {
-    return Error{Code::kInvalidArgument,
-                 fmt::format("endpoint '{}' is not HOST:PORT or unix:PATH", endpoint),
-                 {}};
-  }
-  const auto credentials = calls::ChannelCredentials::make(endpoint, options);
+  const auto parsed = calls::Endpoint::parse(endpoint);
+  if (!parsed) return parsed.error();
+  const auto credentials = calls::ChannelCredentials::make(*parsed, options);
   if (!credentials) return credentials.error();
-  return Client(std::make_unique<calls::Connection>(
-      calls::open_channel(endpoint, *credentials, options.own_connection), options.timeout));
+  const auto channel = calls::open_channel(*parsed, *credentials, options.own_connection);
+  if (!channel) return channel.error();
+  return Client(std::make_unique<calls::Connection>(*channel, options.timeout));
 }
 
 Result<ServerInfo> Client::server_info() const {

@@ -53,10 +53,13 @@ struct ClientOptions {
 /// they fail with kUnavailable. Threads: any, for every member.
 class Client {
  public:
-  /// `endpoint` is HOST:PORT or unix:PATH. The first call makes the connection, and a later call
-  /// makes it again if it broke. Errors: kInvalidArgument, an endpoint of another form, a file that
-  /// cannot be read, or a bad token; kUnauthenticated, a token that would be sent to another
-  /// machine without encryption.
+  /// `endpoint` is HOST:PORT, unix:PATH, or HOST:PORT,HOST:PORT... of replicas. The first call
+  /// makes the connection, and a later call makes it again if it broke. Calls go to replicas in
+  /// turn, and to all addresses of a host's name; those that do not serve are left out. With TLS
+  /// all replicas of a list need a certificate for the name of the first. Errors: kInvalidArgument,
+  /// an endpoint of another form, a file that cannot be read, or a bad token; kUnauthenticated, a
+  /// token that would be sent to another machine without encryption; kUnavailable, a host of a list
+  /// without an address.
   static Result<Client> connect(const std::string& endpoint, const ClientOptions& options = {});
 
   Client(Client&&) noexcept;

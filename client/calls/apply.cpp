@@ -56,6 +56,7 @@ constexpr int kApplyAttempts = 4;
 Result<Applied> send_once(const Connection& connection, const v1::ApplyUpdatesRequest& request) {
   grpc::ClientContext context;
   set_timeout(context, connection.small_timeout());
+  set_route(context, request.scene());
   v1::ApplyUpdatesResponse response;
   const grpc::Status status = connection.scenes->ApplyUpdates(&context, request, &response);
   if (!status.ok()) return rpc_error(status);

@@ -1,9 +1,7 @@
 // What a channel proves and what it asks for: TLS, and the token that goes with each call.
 #include "client/calls/channel_credentials.h"
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
-#include <netinet/in.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -74,31 +72,20 @@ class TokenSenders final : public experimental::ClientInterceptorFactoryInterfac
 
 }  // namespace
 
-Result<ChannelCredentials> ChannelCredentials::make(const std::string& endpoint,
+Result<ChannelCredentials> ChannelCredentials::make(const Endpoint& endpoint,
                                                     const ClientOptions& options) {
   auto channel = channel_credentials(options);
   if (!channel) return channel.error();
   const std::string& token = options.token;
   if (!std::all_of(token.begin(), token.end(), [](char c) { return c > ' ' && c <= '~'; }))
     return Error{Code::kInvalidArgument, "the token has characters other than visible ASCII", {}};
-  if (!token.empty() && options.tls_ca.empty() && !is_local(endpoint)) {
-    return Error{
-        Code::kUnauthenticated,
-        fmt::format("the token is not sent to {} without encryption: use TLS (--tls-ca)", endpoint),
-        "TOKEN_IN_PLAINTEXT"};
+  if (!token.empty() && options.tls_ca.empty() && !endpoint.is_local()) {
+    return Error{Code::kUnauthenticated,
+                 fmt::format("the token is not sent to {} without encryption: use TLS (--tls-ca)",
+                             endpoint.text()),
+                 "TOKEN_IN_PLAINTEXT"};
   }
   return ChannelCredentials{*std::move(channel), token};
-}
-
-bool is_local(const std::string& endpoint) {
-  if (endpoint.starts_with("unix:")) return true;
-  std::string host = endpoint.substr(0, endpoint.rfind(':'));
-  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
-  in_addr v4{};
-  if (inet_pton(AF_INET, host.c_str(), &v4) == 1) return (ntohl(v4.s_addr) >> 24U) == 127;
-  in6_addr v6{};
-  if (inet_pton(AF_INET6, host.c_str(), &v6) == 1) return IN6_IS_ADDR_LOOPBACK(&v6);
-  return host == "localhost";
 }
 
 std::vector<std::unique_ptr<experimental::ClientInterceptorFactoryInterface>> send_token(

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "client/calls/endpoint.h"
 #include "client/client.h"
 
 namespace sightline::client::calls {
@@ -20,12 +21,8 @@ struct ChannelCredentials {
   /// Errors: kInvalidArgument (a file cannot be read, or the token has other characters than
   /// visible ASCII), kUnauthenticated (TOKEN_IN_PLAINTEXT: the token would leave this machine
   /// without encryption).
-  static Result<ChannelCredentials> make(const std::string& endpoint, const ClientOptions& options);
+  static Result<ChannelCredentials> make(const Endpoint& endpoint, const ClientOptions& options);
 };
-
-/// Whether what is sent to this endpoint stays on this machine: unix:PATH, or a HOST:PORT whose
-/// host is a loopback address or "localhost".
-bool is_local(const std::string& endpoint);
 
 /// Adds "authorization: Bearer TOKEN" to each call of a channel.
 std::vector<std::unique_ptr<grpc::experimental::ClientInterceptorFactoryInterface>> send_token(

@@ -6,7 +6,10 @@
 #include <grpcpp/security/credentials.h>
 #include <grpcpp/support/channel_arguments.h>
 
+#include <algorithm>
+#include <condition_variable>
 #include <cstdint>
+#include <mutex>
 #include <random>
 
 #include "google/rpc/error_details.pb.h"
@@ -19,8 +22,7 @@ constexpr std::chrono::milliseconds kConnectWait{1000};
 
 // Only calls that are safe to repeat. A stream of rays is not: after some answers have come, a
 // second attempt could be answered at another revision.
-constexpr const char* kServiceConfig = R"({
-  "methodConfig": [{
+constexpr const char* kRetried = R"("methodConfig": [{
     "name": [
       {"service": "sightline.v1.RayQueryService", "method": "CastRays"},
       {"service": "sightline.v1.RayQueryService", "method": "Prefetch"},
@@ -41,8 +43,23 @@ constexpr const char* kServiceConfig = R"({
       "backoffMultiplier": 2,
       "retryableStatusCodes": ["UNAVAILABLE"]
     }
-  }]
-})";
+  }])";
+
+// A server that drains, or cannot write to its store, is left out. Where there is one, gRPC's own
+// choice makes fewer attempts to connect.
+constexpr const char* kBalanced =
+    R"("loadBalancingConfig": [{"round_robin": {}}], "healthCheckConfig": {"serviceName": ""})";
+
+std::string service_config(const Endpoint& endpoint) {
+  return endpoint.is_balanced() ? fmt::format("{{{}, {}}}", kBalanced, kRetried)
+                                : fmt::format("{{{}}}", kRetried);
+}
+
+// Metadata may hold nothing else.
+bool is_visible(const std::string& text) {
+  return !text.empty() &&
+         std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c <= '~'; });
+}
 
 Code code_of(grpc::StatusCode code) {
   switch (code) {
@@ -93,12 +110,14 @@ std::string reason_of(const grpc::Status& status) {
 
 }  // namespace
 
-std::shared_ptr<grpc::Channel> open_channel(const std::string& endpoint,
-                                            const ChannelCredentials& credentials,
-                                            bool own_connection) {
+Result<std::shared_ptr<grpc::Channel>> open_channel(const Endpoint& endpoint,
+                                                    const ChannelCredentials& credentials,
+                                                    bool own_connection) {
+  const auto target = endpoint.target();
+  if (!target) return target.error();
   grpc::ChannelArguments arguments;
   if (own_connection) arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  arguments.SetServiceConfigJSON(kServiceConfig);
+  arguments.SetServiceConfigJSON(service_config(endpoint));
   // When a server returns, gRPC must find it within the pauses of our own attempts.
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
@@ -108,13 +127,21 @@ std::shared_ptr<grpc::Channel> open_channel(const std::string& endpoint,
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   arguments.SetUserAgentPrefix("sightline/" SIGHTLINE_VERSION);
   // A proxy would carry what must not leave this machine.
-  if (is_local(endpoint)) arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+  if (endpoint.is_local()) arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+  if (const std::string authority = endpoint.authority(); !authority.empty())
+    arguments.SetString(GRPC_ARG_DEFAULT_AUTHORITY, authority);
   return grpc::experimental::CreateCustomChannelWithInterceptors(
-      endpoint, credentials.channel, arguments, send_token(credentials.token));
+      *target, credentials.channel, arguments, send_token(credentials.token));
 }
 
 void set_timeout(grpc::ClientContext& context, std::optional<std::chrono::milliseconds> timeout) {
   if (timeout) context.set_deadline(std::chrono::system_clock::now() + *timeout);
+}
+
+void set_route(grpc::ClientContext& context, const std::string& scene,
+               const std::string& route_key) {
+  if (is_visible(scene)) context.AddMetadata(kSceneHeader, scene);
+  if (is_visible(route_key)) context.AddMetadata(kRouteKeyHeader, route_key);
 }
 
 Error rpc_error(const grpc::Status& status) {
@@ -128,6 +155,14 @@ Error rpc_error(const grpc::Status& status, const std::stop_token& stop) {
   if (error.code == Code::kCancelled && !stop.stop_requested())
     error = {Code::kUnavailable, "the server ended the call", {}};
   return error;
+}
+
+bool sleep_unless_stopped(std::chrono::milliseconds pause, const std::stop_token& stop) {
+  std::mutex mutex;
+  std::condition_variable_any stopped;
+  std::unique_lock lock(mutex);
+  stopped.wait_for(lock, stop, pause, [] { return false; });
+  return !stop.stop_requested();
 }
 
 void Connection::wait_until_connected() const {

@@ -14,6 +14,7 @@
 #include <string>
 
 #include "client/calls/channel_credentials.h"
+#include "client/calls/endpoint.h"
 #include "client/result.h"
 #include "sightline/v1/backup.grpc.pb.h"
 #include "sightline/v1/blob.grpc.pb.h"
@@ -23,13 +24,23 @@
 
 namespace sightline::client::calls {
 
-/// Opens a channel. gRPC retries calls that only read when the server is unavailable
-/// (kServiceConfig). Channels to the same endpoint share a connection, unless it is their own.
-std::shared_ptr<grpc::Channel> open_channel(const std::string& endpoint,
-                                            const ChannelCredentials& credentials,
-                                            bool own_connection = false);
+/// Opens a channel. gRPC retries calls that only read when the server is unavailable (kRetried),
+/// and gives the calls to all servers of a balanced endpoint in turn that say that they serve.
+/// Channels to the same endpoint share connections, unless they are their own. Errors: as
+/// Endpoint::target().
+Result<std::shared_ptr<grpc::Channel>> open_channel(const Endpoint& endpoint,
+                                                    const ChannelCredentials& credentials,
+                                                    bool own_connection = false);
 
 void set_timeout(grpc::ClientContext& context, std::optional<std::chrono::milliseconds> timeout);
+
+/// Says which scene a call is about, in the metadata kSceneHeader, for balancers that keep the
+/// trees of a scene on one server. A route key, if there is one, parts the calls of a scene
+/// further.
+void set_route(grpc::ClientContext& context, const std::string& scene,
+               const std::string& route_key = {});
+inline constexpr const char* kSceneHeader = "x-scene";
+inline constexpr const char* kRouteKeyHeader = "x-route-key";
 
 /// Converts a status that is not OK. The reason is that of the google.rpc.ErrorInfo in its details,
 /// or empty if there is none. A connection that TLS has refused is kUnauthenticated, TLS_FAILED.
@@ -74,6 +85,9 @@ class Backoff {
   int failed_ = 0;
   std::chrono::milliseconds pause_ = kFirstPause;
 };
+
+/// Returns false if a stop was requested meanwhile.
+bool sleep_unless_stopped(std::chrono::milliseconds pause, const std::stop_token& stop);
 
 /// 32 random hex digits. 122 bits are random, as in a UUID of version 4.
 std::string random_request_id();

@@ -44,6 +44,7 @@ Result<PrefetchReport> call(const Connection& connection, const v1::PrefetchRequ
                             const PrefetchProgress& progress) {
   grpc::ClientContext context;
   set_timeout(context, connection.timeout);
+  set_route(context, request.scene());
   const std::stop_callback cancel(stop, [&] { context.TryCancel(); });
   const auto reader = connection.queries->Prefetch(&context, request);
   PrefetchReport report = before;

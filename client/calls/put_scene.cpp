@@ -50,6 +50,7 @@ Result<SceneInfo> put_scene(const Connection& connection, const std::string& sce
   connection.wait_until_connected();
   grpc::ClientContext context;
   set_timeout(context, connection.timeout);
+  set_route(context, scene);
   const std::stop_callback cancel(options.stop, [&] { context.TryCancel(); });
   v1::PutSceneResponse response;
   const auto stream = connection.scenes->PutScene(&context, &response);

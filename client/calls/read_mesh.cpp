@@ -32,6 +32,7 @@ Result<Blob> read_blob(const Connection& connection, const std::string& scene, s
     request.set_offset(blob.bytes.size());
     grpc::ClientContext context;
     set_timeout(context, connection.small_timeout());
+    set_route(context, scene);
     const std::stop_callback cancel(stop, [&] { context.TryCancel(); });
     v1::ReadMeshResponse response;
     const grpc::Status status = connection.scenes->ReadMesh(&context, request, &response);

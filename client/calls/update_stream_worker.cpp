@@ -106,6 +106,7 @@ UpdateStreamState UpdateStreamWorker::state() const {
 void UpdateStreamWorker::run() {
   while (true) {
     grpc::ClientContext context;
+    set_route(context, opening_.open().scene());
     {
       const std::lock_guard lock(mutex_);
       context_ = &context;

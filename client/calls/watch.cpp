@@ -2,8 +2,6 @@
 #include "client/calls/watch.h"
 
 #include <chrono>
-#include <condition_variable>
-#include <mutex>
 #include <utility>
 
 #include "client/calls/connection.h"
@@ -13,15 +11,6 @@ namespace sightline::client::calls {
 namespace {
 
 constexpr int kWatchAttempts = 8;
-
-// Returns false if a stop was requested meanwhile.
-bool sleep(std::chrono::milliseconds pause, const std::stop_token& stop) {
-  std::mutex mutex;
-  std::condition_variable_any stopped;
-  std::unique_lock lock(mutex);
-  stopped.wait_for(lock, stop, pause, [] { return false; });
-  return !stop.stop_requested();
-}
 
 class Watch {
  public:
@@ -41,13 +30,15 @@ class Watch {
       if (ended) ended = Error{Code::kUnavailable, "the server ended the watch", {}};
       if (messages_ > seen) backoff.reset();
       if (!is_broken_connection(ended.error().code) || !backoff.again()) return ended;
-      if (!sleep(backoff.pause(), stop_)) return Error{Code::kCancelled, "cancelled", {}};
+      if (!sleep_unless_stopped(backoff.pause(), stop_))
+        return Error{Code::kCancelled, "cancelled", {}};
     }
   }
 
  private:
   Status read() {
     grpc::ClientContext context;
+    set_route(context, request_.scene());
     const std::stop_callback cancel(stop_, [&] { context.TryCancel(); });
     const auto reader = connection_.scenes->WatchScene(&context, request_);
     Status good;

@@ -43,6 +43,7 @@ server/admin                server/exec server/net server/net/descriptor accel/r
 server/security             server/exec accel/result
 server/blobs/digest         server/exec accel/result
 server/store                server/exec server/net/descriptor server/blobs/digest accel/result
+server/store/postgres       server/store server/exec server/net/descriptor server/blobs/digest accel/result
 server/blobs                server/exec server/store server/blobs/digest
                             scenegraph/model accel/result accel/geometry
 server/scenes               server/exec server/metrics server/store server/blobs server/blobs/digest
@@ -50,7 +51,7 @@ server/scenes               server/exec server/metrics server/store server/blobs
                             scenegraph/revision accel/result accel/kdtree
 server/queries              server/exec server/metrics server/scenes scenegraph/* accel/result accel/geometry proto/rays
 server/updates              server/exec server/store server/blobs server/blobs/digest server/scenes scenegraph/* accel/result
-server/durable              server/exec server/store server/blobs server/blobs/digest server/scenes server/updates
+server/durable              server/exec server/store server/store/postgres server/blobs server/blobs/digest server/scenes server/updates
                             scenegraph/* accel/result
 server                      server/* scenegraph/* accel/result accel/split
 
@@ -91,6 +92,7 @@ grpcpp          server client/*.cpp client/calls client/wire
 google/protobuf server client/calls client/wire
 openssl         server client/*.cpp
 sqlite3.h       server/store
+libpq-fe.h      server/store/postgres
 CLI             server client/cli
 toml++          server/security
 nlohmann        server client/cli client/importer client/load

@@ -5,6 +5,7 @@ import pathlib
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 import unittest
 
@@ -118,7 +119,7 @@ class FaultTest(unittest.TestCase):
         for options in ({"tls_cert": "a"}, {"tls_cert": "a", "tls_key": "b"}, {"token": "not visible"}):
             with self.subTest(options), self.assertRaises(ValueError):
                 sightline.connect("127.0.0.1:1", **options)
-        for endpoint in ("host", ":1", "host:x", "unix:", "host:99999"):
+        for endpoint in ("host", ":1", "host:x", "unix:", "host:99999", "host:1,", "host:1,other"):
             with self.subTest(endpoint), self.assertRaises(ValueError):
                 sightline.connect(endpoint)
         with self.assertRaises(sightline.Unauthenticated) as raised:
@@ -126,6 +127,37 @@ class FaultTest(unittest.TestCase):
         self.assertEqual(raised.exception.reason, "TOKEN_IN_PLAINTEXT")
         with self.assertRaises(FileNotFoundError):
             sightline.connect("127.0.0.1:1", tls_ca="/none")
+
+    def replica(self, folder, z):
+        """A server on a port, its address, and a triangle at this z in its scene "turns"."""
+        file = pathlib.Path(folder) / str(z)
+        process = subprocess.Popen([os.environ["SIGHTLINED"], "--listen", "127.0.0.1:0", "--port-file", str(file)],
+                                   stderr=subprocess.DEVNULL)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        while not file.exists():
+            self.assertIsNone(process.poll())
+            time.sleep(0.01)
+        address = f"127.0.0.1:{file.read_text().strip()}"
+        with sightline.connect(address) as client:
+            client.import_arrays("turns", [[0, 0, z], [1, 0, z], [0, 1, z]], [[0, 1, 2]])
+        return process, address
+
+    def test_replicas_take_turns_and_one_may_go(self):
+        with tempfile.TemporaryDirectory() as folder:
+            near, near_address = self.replica(folder, 1.0)
+            _, far_address = self.replica(folder, 2.0)
+        client = sightline.connect(f"{near_address},{far_address}")
+        self.addCleanup(client.close)
+        scene, ray, seen = client.scene("turns"), [[0.2, 0.2, 0, 0, 0, 1]], set()
+        for _ in range(1000):
+            seen.add(float(scene.cast(ray).t[0]))
+            if len(seen) == 2:
+                break
+        self.assertEqual(seen, {1.0, 2.0})
+        near.kill()
+        near.wait()
+        self.assertEqual({float(scene.cast(ray).t[0]) for _ in range(20)}, {2.0})
 
     def test_serving_fails_with_what_the_server_printed(self):
         with self.assertRaisesRegex(sightline.Unavailable, "no-such-flag"):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextvars
-import ipaddress
 import json
 import os
 import pathlib
@@ -12,6 +11,7 @@ from typing import Any, Iterator
 import grpc
 
 from . import _proto, errors
+from ._endpoint import Endpoint
 
 DEFAULT_ENDPOINT = "127.0.0.1:50151"
 _LIGHT_TIMEOUT = 60.0  # seconds, for calls that carry neither rays nor meshes
@@ -47,31 +47,25 @@ class CallScope:
 scope: "contextvars.ContextVar[CallScope | None]" = contextvars.ContextVar("sightline_calls", default=None)
 
 
-def service_config() -> str:
+def service_config(endpoint: Endpoint) -> str:
     names = []
     for name in _REPEATABLE:
         service, method = _proto.methods[name].path[1:].split("/")
         names.append({"service": service, "method": method})
-    return json.dumps({"methodConfig": [{"name": names, "retryPolicy": _RETRY}]})
+    config: "dict[str, Any]" = {"methodConfig": [{"name": names, "retryPolicy": _RETRY}]}
+    if endpoint.is_balanced():  # a server that drains, or cannot write to its store, is left out
+        config["loadBalancingConfig"] = [{"round_robin": {}}]
+        config["healthCheckConfig"] = {"serviceName": ""}
+    return json.dumps(config)
 
 
-def is_local(endpoint: str) -> bool:
-    """Whether what is sent stays on this machine."""
-    if endpoint.startswith("unix:"):
-        return True
-    host = endpoint.rpartition(":")[0].strip("[]")
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return host == "localhost"
-
-
-def _check_endpoint(endpoint: str) -> None:
-    host, _, port = endpoint.rpartition(":")
-    if endpoint.startswith("unix:") and len(endpoint) > len("unix:"):
-        return
-    if not (host and port.isdigit() and int(port) < 65536):
-        raise ValueError(f"an endpoint is HOST:PORT or unix:PATH, not {endpoint!r}")
+def _route(request: Any, scene: str) -> "tuple[tuple[str, str], ...]":
+    """The scene that a call is about, for balancers that keep the trees of a scene on one server."""
+    for field in ("scene", "name"):
+        scene = scene or getattr(request, field, "")
+    if isinstance(scene, str) and scene and all(" " < c <= "~" for c in scene):
+        return (("x-scene", scene),)
+    return ()
 
 
 def _read(file: "str | os.PathLike[str] | None") -> "bytes | None":
@@ -83,7 +77,7 @@ class Connection:
 
     def __init__(self, endpoint: str, tls_ca: Any, tls_cert: Any, tls_key: Any, token: "str | None",
                  token_file: Any, timeout: "float | None"):
-        _check_endpoint(endpoint)
+        address = Endpoint(endpoint)
         if (tls_cert is None) != (tls_key is None):
             raise ValueError("tls_cert and tls_key belong together")
         if tls_cert is not None and tls_ca is None:
@@ -92,13 +86,13 @@ class Connection:
             token = (_read(token_file) or b"").decode().strip() or os.environ.get("SIGHTLINE_TOKEN", "")
         if not all(" " < c <= "~" for c in token):
             raise ValueError("the token has characters other than visible ASCII")
-        if token and tls_ca is None and not is_local(endpoint):
+        if token and tls_ca is None and not address.is_local():
             raise errors.Unauthenticated(f"the token is not sent to {endpoint} without encryption: use tls_ca",
                                          "TOKEN_IN_PLAINTEXT")
         self.endpoint = endpoint
         self.timeout = timeout
         self._metadata = (("authorization", f"Bearer {token}"),) if token else ()
-        self._channel = _open(endpoint, _read(tls_ca), _read(tls_cert), _read(tls_key))
+        self._channel = _open(address, _read(tls_ca), _read(tls_cert), _read(tls_key))
         self._callables = {name: self._callable(name) for name in _proto.methods}
 
     def _callable(self, name: str) -> Any:
@@ -110,11 +104,14 @@ class Connection:
             method.path, request_serializer=None if is_cast else method.request.SerializeToString,
             response_deserializer=None if is_cast else method.response.FromString)
 
-    def call(self, name: str, request: Any, timeout: "float | None" = None, light: bool = True) -> Any:
+    def call(self, name: str, request: Any, timeout: "float | None" = None, light: bool = True,
+             scene: str = "") -> Any:
         """A call with one answer; `request` is a message or, for a stream, an iterable of them. `timeout` in seconds;
-        None: the connection's. A call that is not light has no limit unless one was set."""
+        None: the connection's. A call that is not light has no limit unless one was set. `scene`: what the call is
+        about, if a message does not say it."""
         method = self._callables[name]
-        call = method.future(request, timeout=self._seconds(timeout, light), metadata=self._metadata)
+        call = method.future(request, timeout=self._seconds(timeout, light),
+                             metadata=self._metadata + _route(request, scene))
         current = scope.get()
         if current is not None:
             current.add(call)
@@ -131,9 +128,10 @@ class Connection:
             if current is not None:
                 current.remove(call)
 
-    def stream(self, name: str, request: Any, timeout: "float | None" = None) -> "Stream":
-        """A call with many answers; `timeout` in seconds, None: no limit."""
-        return Stream(self._callables[name](request, timeout=timeout, metadata=self._metadata))
+    def stream(self, name: str, request: Any, timeout: "float | None" = None, scene: str = "") -> "Stream":
+        """A call with many answers; `timeout` in seconds, None: no limit. `scene` as for call()."""
+        metadata = self._metadata + _route(request, scene)
+        return Stream(self._callables[name](request, timeout=timeout, metadata=metadata))
 
     def _seconds(self, timeout: "float | None", light: bool) -> "float | None":
         if timeout is None:
@@ -176,9 +174,9 @@ class Stream:
             raise errors.of_call(error) from None
 
 
-def _open(endpoint: str, ca: "bytes | None", cert: "bytes | None", key: "bytes | None") -> Any:
+def _open(endpoint: Endpoint, ca: "bytes | None", cert: "bytes | None", key: "bytes | None") -> Any:
     options = [
-        ("grpc.service_config", service_config()),
+        ("grpc.service_config", service_config(endpoint)),
         ("grpc.primary_user_agent", f"sightline-python/{_proto.version}"),
         ("grpc.max_receive_message_length", -1),
         ("grpc.max_send_message_length", -1),
@@ -192,8 +190,10 @@ def _open(endpoint: str, ca: "bytes | None", cert: "bytes | None", key: "bytes |
         # Channels of one process to one server have a connection each.
         ("grpc.use_local_subchannel_pool", 1),
     ]
-    if is_local(endpoint):  # a proxy would carry what must not leave this machine
+    if endpoint.authority():
+        options.append(("grpc.default_authority", endpoint.authority()))
+    if endpoint.is_local():  # a proxy would carry what must not leave this machine
         options.append(("grpc.enable_http_proxy", 0))
     if ca is None:
-        return grpc.insecure_channel(endpoint, options)
-    return grpc.secure_channel(endpoint, grpc.ssl_channel_credentials(ca, key, cert), options)
+        return grpc.insecure_channel(endpoint.target(), options)
+    return grpc.secure_channel(endpoint.target(), grpc.ssl_channel_credentials(ca, key, cert), options)

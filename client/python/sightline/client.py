@@ -20,7 +20,8 @@ Path = Union[str, "os.PathLike[str]"]
 def connect(endpoint: Optional[str] = None, *, tls_ca: Optional[Path] = None, tls_cert: Optional[Path] = None,
             tls_key: Optional[Path] = None, token: Optional[str] = None, token_file: Optional[Path] = None,
             timeout: Optional[float] = None) -> "Client":
-    """A client of the server at `endpoint`, HOST:PORT or unix:PATH; default: SIGHTLINE_ENDPOINT, else 127.0.0.1:50151.
+    """A client of the server at `endpoint`, HOST:PORT, HOST:PORT,HOST:PORT... of replicas that take turns, or
+    unix:PATH; default: SIGHTLINE_ENDPOINT, else 127.0.0.1:50151.
 
     tls_ca, tls_cert, tls_key: PEM files. With tls_ca the connection is encrypted, and the server needs a certificate of
     its name that one of these has signed; the others are this client's own. token, or the content of token_file, or
@@ -92,7 +93,7 @@ class Client:
     def create_scene(self, name: str, *, up_axis: Optional[str] = None, meters_per_unit: float = 0) -> Scene:
         """A new, empty scene. up_axis "y" or "z" and meters_per_unit are recorded. Errors: AlreadyExists."""
         scene = _new_scene(name, up_axis, meters_per_unit)
-        self._connection.call("CreateScene", _proto.CreateSceneRequest(scene=scene))
+        self._connection.call("CreateScene", _proto.CreateSceneRequest(scene=scene), scene=scene.name)
         return Scene(self, scene.name)
 
     def delete_scene(self, name: str) -> None:
@@ -139,7 +140,7 @@ class Client:
             return False
         request = _proto.PutSceneRequest(scene=scene, replace=replace, nodes=nodes, finish=True)
         try:
-            self._connection.call("PutScene", iter([request]))
+            self._connection.call("PutScene", iter([request]), scene=scene.name)
         except errors.Unimplemented:
             return False
         return True
@@ -147,7 +148,7 @@ class Client:
     def _import_in_steps(self, scene: Any, node: Any, replace: bool) -> None:
         if replace and self._exists(scene.name):
             self.delete_scene(scene.name)
-        self._connection.call("CreateScene", _proto.CreateSceneRequest(scene=scene))
+        self._connection.call("CreateScene", _proto.CreateSceneRequest(scene=scene), scene=scene.name)
         try:
             apply(self._connection, scene.name, [node])
         except BaseException:

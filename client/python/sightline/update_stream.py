@@ -138,7 +138,7 @@ class UpdateStream:
 
     def _call(self) -> None:
         self._attempt += 1
-        with self._connection.stream("StreamUpdates", self._messages(self._attempt)) as stream:
+        with self._connection.stream("StreamUpdates", self._messages(self._attempt), scene=self._open.scene) as stream:
             try:
                 for message in stream:
                     self._receive(message)

@@ -17,23 +17,25 @@ TEST(ChannelCredentials, KeepATokenFromPlaintext) {
   ClientOptions options;
   options.token = "secret";
   for (const char* local : {"127.0.0.1:1", "127.1.2.3:1", "[::1]:1", "localhost:1", "unix:/s"})
-    EXPECT_TRUE(ChannelCredentials::make(local, options)) << local;
+    EXPECT_TRUE(ChannelCredentials::make(*Endpoint::parse(local), options)) << local;
   for (const char* remote : {"10.0.0.1:1", "example.org:1", "[fe80::1]:1", "127.0.0.1.example:1",
                              "localhost.example:1", "0.0.0.0:1"}) {
-    const auto refused = ChannelCredentials::make(remote, options);
+    const auto refused = ChannelCredentials::make(*Endpoint::parse(remote), options);
     EXPECT_EQ(code_of(refused), Code::kUnauthenticated) << remote;
     EXPECT_EQ(refused.error().message.find("secret"), std::string::npos);
   }
   const tests::TempDir dir;
   options.tls_ca = dir.write("ca.pem", tests::TestAuthority().certificate());
-  EXPECT_TRUE(ChannelCredentials::make("example.org:1", options)) << "with TLS it may leave";
+  EXPECT_TRUE(ChannelCredentials::make(*Endpoint::parse("example.org:1"), options))
+      << "with TLS it may leave";
 }
 
 TEST(ChannelCredentials, ATokenIsVisibleAscii) {
   ClientOptions options;
   for (const char* bad : {"a b", "a\n", "a\r\nx: y", "\xc3\xa4"}) {
     options.token = bad;
-    EXPECT_EQ(code_of(ChannelCredentials::make("localhost:1", options)), Code::kInvalidArgument);
+    EXPECT_EQ(code_of(ChannelCredentials::make(*Endpoint::parse("localhost:1"), options)),
+              Code::kInvalidArgument);
   }
 }
 
@@ -42,14 +44,19 @@ TEST(ChannelCredentials, FilesMustBeThereAndComplete) {
   const tests::TestAuthority authority;
   ClientOptions options;
   options.tls_ca = dir.path("none.pem");
-  EXPECT_EQ(code_of(ChannelCredentials::make("h:1", options)), Code::kInvalidArgument);
+  EXPECT_EQ(code_of(ChannelCredentials::make(*Endpoint::parse("h:1"), options)),
+            Code::kInvalidArgument);
   options.tls_ca = dir.write("ca.pem", authority.certificate());
   options.tls_cert = dir.write("own.pem", authority.issue().certificate);
-  EXPECT_EQ(code_of(ChannelCredentials::make("h:1", options)), Code::kInvalidArgument) << "no key";
+  EXPECT_EQ(code_of(ChannelCredentials::make(*Endpoint::parse("h:1"), options)),
+            Code::kInvalidArgument)
+      << "no key";
   options.tls_key = dir.write("own.key", authority.issue().key);
-  EXPECT_TRUE(ChannelCredentials::make("h:1", options));
+  EXPECT_TRUE(ChannelCredentials::make(*Endpoint::parse("h:1"), options));
   options.tls_ca.clear();
-  EXPECT_EQ(code_of(ChannelCredentials::make("h:1", options)), Code::kInvalidArgument) << "no TLS";
+  EXPECT_EQ(code_of(ChannelCredentials::make(*Endpoint::parse("h:1"), options)),
+            Code::kInvalidArgument)
+      << "no TLS";
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ TEST_F(Upload, ResumesWhereItStopped) {
   const MeshBlob blob(mesh.vertices, mesh.faces);
   {
     const auto blobs = v1::BlobService::NewStub(
-        open_channel(endpoint(), *ChannelCredentials::make(endpoint(), {})));
+        *open_channel(*Endpoint::parse(endpoint()), {grpc::InsecureChannelCredentials(), {}}));
     grpc::ClientContext context;
     v1::UploadBlobResponse response;
     const auto writer = blobs->UploadBlob(&context, &response);

@@ -18,7 +18,7 @@ client::Client connect(int port) {
 
 }  // namespace
 
-std::unique_ptr<server::Server> start_server(const std::string& data_dir) {
+std::unique_ptr<server::Server> start_server(const std::string& location) {
   // Never released: when its last user is destroyed, the library waits up to ten seconds for its
   // client's poller.
   static const bool library_held = (grpc_init(), true);
@@ -28,7 +28,11 @@ std::unique_ptr<server::Server> start_server(const std::string& data_dir) {
   config.listen = "127.0.0.1:0";
   config.threads = 2;
   config.drain = std::chrono::milliseconds(50);
-  config.data_dir = data_dir;
+  if (location.starts_with("postgresql:")) {
+    config.store = location;
+  } else {
+    config.data_dir = location;
+  }
   auto server = server::Server::start(config);
   EXPECT_TRUE(server) << server.error().message;
   return server ? std::move(*server) : nullptr;

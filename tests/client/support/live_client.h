@@ -16,7 +16,7 @@ namespace sightline::tests {
 inline constexpr const char* kScene = "projects/default/scenes/test";
 
 /// Without a directory it keeps scenes in memory.
-std::unique_ptr<server::Server> start_server(const std::string& data_dir = {});
+std::unique_ptr<server::Server> start_server(const std::string& location = {});
 
 class LiveClient : public testing::Test {
  protected:

@@ -9,6 +9,7 @@
 
 #include "client/cli/terminal.h"
 #include "tests/client/support/run_program.h"
+#include "tests/server/store/postgres/postgres_server.h"
 
 namespace sightline::client::cli::verbs {
 namespace {
@@ -24,9 +25,10 @@ class Backup : public testing::Test {
   Backup() { serve("data"); }
   ~Backup() override { ::unsetenv("SIGHTLINE_ENDPOINT"); }
 
-  void serve(const std::string& directory) {
+  void serve(const std::string& directory) { serve_at(dir_.path(directory)); }
+  void serve_at(const std::string& location) {
     server_.reset();
-    server_ = tests::start_server(dir_.path(directory));
+    server_ = tests::start_server(location);
     ASSERT_NE(server_, nullptr);
     const std::string endpoint = "127.0.0.1:" + std::to_string(server_->port());
     ::setenv("SIGHTLINE_ENDPOINT", endpoint.c_str(), 1);
@@ -68,6 +70,30 @@ TEST_F(Backup, ScenesOfALostDirectoryComeBack) {
   const auto restored = run_program({"restore", dir_.path("backup"), "--json"});
   ASSERT_EQ(restored.exit, 0) << restored.err;
   EXPECT_EQ(json::parse(restored.out)["scenes"].size(), 2u);
+  EXPECT_EQ(show("a"), before);
+  EXPECT_EQ(revision("b"), 3);
+}
+
+TEST_F(Backup, MovesScenesToPostgreSqlAndBack) {
+  if (!tests::PostgresServer::installed()) GTEST_SKIP() << "PostgreSQL is not installed";
+  tests::PostgresServer& postgres = tests::PostgresServer::shared();
+  const std::string uri = postgres.uri(postgres.make_database());
+  make_scene("a", 4);
+  const json before = show("a");
+  ASSERT_EQ(run_program({"backup", dir_.path("backup")}).exit, 0);
+
+  serve_at(uri);
+  const auto moved = run_program({"restore", dir_.path("backup")});
+  ASSERT_EQ(moved.exit, 0) << moved.err;
+  EXPECT_EQ(show("a"), before);
+  make_scene("b", 3);
+  serve_at(uri);
+  EXPECT_EQ(show("a"), before) << "after a restart";
+  EXPECT_EQ(revision("b"), 3);
+  ASSERT_EQ(run_program({"backup", dir_.path("back")}).exit, 0);
+
+  serve("empty");
+  ASSERT_EQ(run_program({"restore", dir_.path("back")}).exit, 0);
   EXPECT_EQ(show("a"), before);
   EXPECT_EQ(revision("b"), 3);
 }

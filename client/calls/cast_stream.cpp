@@ -1,0 +1,265 @@
+// Messages that wait for their answers are kept, to be sent again.
+#include "client/calls/cast_stream.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <semaphore>
+#include <thread>
+#include <utility>
+
+#include "client/calls/connection.h"
+#include "client/wire/cast_codec.h"
+
+namespace sightline::client::calls {
+namespace {
+
+using Stream = grpc::ClientReaderWriter<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse>;
+
+constexpr int kCastAttempts = 4;
+
+void forget_description(v1::CastRaysRequest& request) {
+  request.clear_scene();
+  request.clear_fields();
+  request.clear_kind();
+  request.clear_build();
+  request.clear_culling();
+  request.clear_root();
+  request.clear_exclude();
+  request.clear_max_hits();
+  request.clear_consistency();
+}
+
+/// The messages of a cast: from the source, and once more if they were not answered. Threads: the
+/// one that writes; rays() also the one that reads.
+class Messages {
+ public:
+  explicit Messages(const MessageSource<v1::CastRaysRequest>& source) : source_(source) {}
+
+  /// Message `number`, with its rays: one of the last kMessagesInFlight, or the next. Null: there
+  /// are no more. Errors: those of the source, here and from then on.
+  Result<v1::StreamCastRaysRequest*> get(std::uint64_t number) {
+    v1::StreamCastRaysRequest& message = kept_[number % kMessagesInFlight];
+    if (number < made_) return &message;
+    if (ended_) return nullptr;
+    const auto count = source_(*message.mutable_request());
+    if (!count) return count.error();
+    ended_ = *count == 0;
+    // The first message is sent even without rays, so that an unknown scene is still an error.
+    if (ended_ && number > 0) return nullptr;
+    rays_[number % kMessagesInFlight] = *count;
+    message.set_chunk(number);
+    made_ = number + 1;
+    return &message;
+  }
+
+  std::size_t rays(std::uint64_t number) const { return rays_[number % kMessagesInFlight]; }
+
+ private:
+  const MessageSource<v1::CastRaysRequest>& source_;
+  std::array<v1::StreamCastRaysRequest, kMessagesInFlight> kept_;
+  std::array<std::atomic<std::size_t>, kMessagesInFlight> rays_{};
+  std::uint64_t made_ = 0;
+  bool ended_ = false;
+};
+
+/// Takes the answers in order, those to one message in one or several parts.
+class Answers {
+ public:
+  Answers(const Messages& messages, HitFields fields, QueryKind kind, const HitSink& sink)
+      : messages_(messages), fields_(fields), kind_(kind), sink_(sink) {}
+
+  /// The message that is to be answered next, wholly or from some ray on.
+  std::uint64_t message() const { return message_; }
+  const CastReport& report() const { return report_; }
+  bool has_begun() const { return !report_.token.empty(); }
+
+  /// A new stream begins with message().
+  void begin_again() { seen_ = 0; }
+
+  /// Returns whether the message is answered.
+  Result<bool> receive(const v1::StreamCastRaysResponse& response) {
+    if (response.chunk() != message_) {
+      return Error{
+          Code::kInternal,
+          fmt::format("the server answered message {} instead of {}", response.chunk(), message_),
+          {}};
+    }
+    const std::string& token = response.response().served().token();
+    if (has_begun() && token != report_.token)
+      return Error{Code::kAborted, "the scene was made anew during the cast", "SCENE_REPLACED"};
+    const std::size_t n = messages_.rays(message_);
+    const bool is_all = kind_ == QueryKind::kAll;
+    const auto hits = is_all ? wire::view_all_hits(response.response(), fields_, seen_, n)
+                             : wire::view_hits(response.response(), fields_, n);
+    if (!hits) return hits.error();
+    if (const Status taken = take(is_all ? hits->offsets.size() - 1 : n, *hits); !taken)
+      return taken.error();
+    report_.revision = response.response().served().revision();
+    report_.token = token;
+    if (response.response().more()) return false;
+    wire::add_stats(response.response(), report_);
+    first_ += answered_;
+    seen_ = answered_ = 0;
+    ++message_;
+    return true;
+  }
+
+ private:
+  /// Parts depend on the hits alone, so that they come again as they were, unless a time budget has
+  /// left rays without an answer.
+  Status take(std::size_t count, const HitView& hits) {
+    const std::size_t begin = std::exchange(seen_, seen_ + count);
+    if (seen_ <= answered_ && count > 0) return {};
+    if (begin < answered_)
+      return Error{Code::kUnavailable, "the server has parted its answer in another way", {}};
+    answered_ = seen_;
+    return sink_(first_ + begin, count, hits);
+  }
+
+  const Messages& messages_;
+  const HitFields fields_;
+  const QueryKind kind_;
+  const HitSink& sink_;
+  CastReport report_;
+  std::uint64_t message_ = 0;
+  std::uint64_t first_ = 0;   ///< Ray of the message.
+  std::size_t answered_ = 0;  ///< Of its rays, those that the sink has got.
+  std::size_t seen_ = 0;      ///< Of its rays, those that this stream has answered.
+};
+
+class Cast {
+ public:
+  Cast(const Connection& connection, std::string scene,
+       const MessageSource<v1::CastRaysRequest>& source, HitFields fields, const HitSink& sink,
+       CastOptions options)
+      : connection_(connection),
+        scene_(std::move(scene)),
+        fields_(fields),
+        options_(std::move(options)),
+        messages_(source),
+        answers_(messages_, fields, options_.kind, sink) {
+    if (connection.timeout) deadline_ = std::chrono::system_clock::now() + *connection.timeout;
+  }
+
+  Result<CastReport> run() {
+    Backoff backoff(kCastAttempts);
+    while (true) {
+      const std::uint64_t before = answers_.message();
+      const Status ended = attempt();
+      if (failed_) return *failed_;
+      if (ended) return answers_.report();
+      if (answers_.message() > before) backoff.reset();
+      if (!may_resume(ended.error().code) || !backoff.again()) return ended.error();
+      if (!sleep_unless_stopped(backoff.pause(), options_.stop))
+        return Error{Code::kCancelled, "cancelled", {}};
+    }
+  }
+
+ private:
+  /// A replica may not have the revision yet.
+  bool may_resume(Code code) const {
+    return is_broken_connection(code) || (answers_.has_begun() && code == Code::kOutOfRange);
+  }
+
+  /// One stream, from the first message without an answer on. An error that no other stream would
+  /// mend is in failed_.
+  Status attempt() {
+    grpc::ClientContext context;
+    if (deadline_) context.set_deadline(*deadline_);
+    set_route(context, scene_, options_.route_key);
+    const std::stop_callback cancel(options_.stop, [&] { context.TryCancel(); });
+    connection_.wait_until_connected();
+    const auto stream = connection_.queries->StreamCastRays(&context);
+    answers_.begin_again();
+    if (answers_.has_begun())
+      options_.consistency = {.at_least = {}, .exact_revision = answers_.report().revision};
+
+    Window window;
+    std::thread writing(
+        [&, first = answers_.message()] { write(*stream, context, window, first); });
+    read(*stream, context, window);
+    window.closed = true;
+    window.free.release();
+    writing.join();
+    const grpc::Status status = stream->Finish();
+    if (window.source_error) failed_ = std::move(window.source_error);
+    return status.ok() || failed_ ? Status() : Status(rpc_error(status, options_.stop));
+  }
+
+  struct Window {
+    std::counting_semaphore<> free{kMessagesInFlight};
+    std::atomic<bool> closed = false;
+    std::optional<Error> source_error;  ///< Read after the writing thread has ended.
+  };
+
+  void write(Stream& stream, grpc::ClientContext& context, Window& window, std::uint64_t first) {
+    for (std::uint64_t number = first;; ++number) {
+      window.free.acquire();
+      if (window.closed) return;
+      const auto message = messages_.get(number);
+      if (!message) {
+        window.source_error = message.error();
+        context.TryCancel();
+        break;
+      }
+      if (*message == nullptr) break;
+      v1::CastRaysRequest& request = *(*message)->mutable_request();
+      if (number == first) wire::describe(scene_, fields_, options_, request);
+      set_rest_of_budget(request);
+      const bool written = stream.Write(**message);
+      if (number == first) forget_description(request);
+      if (!written || messages_.rays(number) == 0) break;
+    }
+    stream.WritesDone();
+  }
+
+  /// The time budget is of all messages together.
+  void set_rest_of_budget(v1::CastRaysRequest& request) const {
+    if (options_.time_budget.count() == 0) return;
+    const auto spent = std::chrono::duration_cast<std::chrono::milliseconds>(
+        std::chrono::steady_clock::now() - begun_);
+    const auto rest = std::max(options_.time_budget - spent, std::chrono::milliseconds(1));
+    request.set_time_budget_ms(wire::milliseconds_of(rest));
+  }
+
+  /// The first wrong answer cancels the call.
+  void read(Stream& stream, grpc::ClientContext& context, Window& window) {
+    v1::StreamCastRaysResponse response;
+    while (stream.Read(&response)) {
+      if (failed_) continue;
+      const auto is_answered = answers_.receive(response);
+      if (!is_answered) {
+        failed_ = is_answered.error();
+        context.TryCancel();
+      } else if (*is_answered) {
+        window.free.release();
+      }
+    }
+  }
+
+  const Connection& connection_;
+  const std::string scene_;
+  const HitFields fields_;
+  CastOptions options_;
+  const std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
+  std::optional<std::chrono::system_clock::time_point> deadline_;
+  Messages messages_;
+  Answers answers_;
+  std::optional<Error> failed_;
+};
+
+}  // namespace
+
+Result<CastReport> cast_messages(const Connection& connection, const std::string& scene,
+                                 const MessageSource<v1::CastRaysRequest>& source, HitFields fields,
+                                 const HitSink& sink, const CastOptions& options) {
+  return Cast(connection, scene, source, fields, sink, options).run();
+}
+
+}  // namespace sightline::client::calls

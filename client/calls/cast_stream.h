@@ -1,0 +1,23 @@
+// A cast over a stream of messages, which goes on where it was after a broken connection. Internal
+// to the library.
+#pragma once
+
+#include <string>
+
+#include "client/calls/message_source.h"
+#include "client/cast_options.h"
+#include "client/result.h"
+
+namespace sightline::client::calls {
+
+struct Connection;
+
+/// Casts what `source` gives, and hands the answers to `sink` in order, each once. One thread
+/// writes and one reads. If the connection breaks, what was not answered is sent again, over a new
+/// one, to any replica, and answered at the revision of the first answer. Errors: kAborted, the
+/// scene was deleted and made anew meanwhile; kOutOfRange, its revision is not kept any more.
+Result<CastReport> cast_messages(const Connection& connection, const std::string& scene,
+                                 const MessageSource<v1::CastRaysRequest>& source, HitFields fields,
+                                 const HitSink& sink, const CastOptions& options);
+
+}  // namespace sightline::client::calls
