@@ -19,6 +19,8 @@ using scenegraph::Growth;
 
 // Searching all triangles is measured up to this many tests, by unit costs beyond.
 constexpr double kMostTests = 3e8;
+// More rays take so long that one run says enough.
+constexpr std::size_t kMostRepeated = 1'000'000;
 
 struct Policy {
   std::string name;
@@ -120,7 +122,8 @@ class KindCosts {
     if (!rays.ok()) return rays.error();
     std::vector<Hit> hits(rays->size());
     std::vector<Cost> costs(policies_.size());
-    for (int repeat = 0; repeat < common.repeat; ++repeat) {
+    const int repeats = count > kMostRepeated ? 1 : common.repeat;
+    for (int repeat = 0; repeat < repeats; ++repeat) {
       for (std::size_t p = 0; p < policies_.size(); ++p) {
         const Policy& policy = policies_[p];
         if (is_too_long(policy, count)) continue;

@@ -60,7 +60,7 @@ struct LazyOptions {
 
 struct CompetitiveOptions {
   std::vector<std::string> kinds{"closeup", "random", "diffuse"};
-  std::size_t measured = 1'000'000;  ///< Larger counts of rays by unit costs.
+  std::size_t measured = 10'000'000;  ///< Larger counts of rays by unit costs.
   std::size_t most = 100'000'000;
   std::size_t batch = 8192;
 };
