@@ -87,8 +87,10 @@ void State::enforce_limits() {
     scenes.retry_writes();
     if (sweeper) sweeper->tick();
     blobs.drop_unused_meshes();
+    scenes::free_dropped_trees();
     reclaimer.measure();
     if (memory.used() > memory.limit(exec::Held::kTrees)) reclaimer.reclaim(0);
+    trimmer.observe(memory.used());
     return {};
   });
   if (!enforced) spdlog::error("event=limits_not_enforced error={}", enforced.error().message);

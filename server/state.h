@@ -12,6 +12,7 @@
 #include "server/exec/admission.h"
 #include "server/exec/call_registry.h"
 #include "server/exec/executors.h"
+#include "server/exec/heap_trimmer.h"
 #include "server/exec/memory_account.h"
 #include "server/exec/quotas.h"
 #include "server/exec/unread_replies.h"
@@ -42,6 +43,7 @@ struct State {
   scenes::SceneStore scenes;
   std::optional<durable::Sweeper> sweeper;  // with a store
   scenes::Reclaimer reclaimer;
+  exec::HeapTrimmer trimmer;  // used by enforce_limits()
   exec::Deadlines deadlines;
   exec::Compute compute;
   /// The store reports to tasks until nothing is under way any more.

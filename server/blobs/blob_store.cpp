@@ -36,6 +36,7 @@ bool BlobStore::has(const BlobDigest& digest) const {
   const auto found = meshes_.find(digest);
   if (found == meshes_.end()) return false;
   found->second.used = Upload::Clock::now();
+  found->second.released = false;
   return true;
 }
 
@@ -49,6 +50,15 @@ Result<BlobStore::MeshPointer> BlobStore::load(const BlobDigest& digest) {
   auto mesh = read_mesh(digest, **blob);
   if (!mesh) return mesh.error();
   return insert(digest, std::move(*mesh), std::move(*charge));
+}
+
+Result<BlobStore::MeshPointer> BlobStore::use(const BlobDigest& digest) {
+  auto mesh = load(digest);
+  if (!mesh) return mesh;
+  const std::lock_guard lock(mutex_);
+  const auto found = meshes_.find(digest);
+  if (found != meshes_.end()) found->second.released = true;
+  return mesh;
 }
 
 Result<BlobStore::MeshPointer> BlobStore::load_patched(const scenegraph::model::Mesh& base,
@@ -85,6 +95,7 @@ BlobStore::MeshPointer BlobStore::insert(const BlobDigest& digest, MeshPointer m
   if (is_new)
     kept->second = {std::move(mesh), std::move(charge), next_order_++, Upload::Clock::now()};
   kept->second.used = Upload::Clock::now();
+  kept->second.released = false;
   return kept->second.mesh;
 }
 
@@ -249,14 +260,16 @@ std::optional<std::uint64_t> BlobStore::drop_unused_mesh(Unused which) {
 void BlobStore::drop_unused_meshes() {
   std::vector<Stored> dropped;  // destroyed after the lock is released
   const auto now = Upload::Clock::now();
-  const auto since = now - (disk_ == nullptr ? limits_.unused : limits_.unused_on_disk);
+  const auto unused = disk_ == nullptr ? limits_.unused : limits_.unused_on_disk;
+  const auto released = std::min(unused, limits_.released);
   const std::lock_guard lock(mutex_);
   for (auto it = meshes_.begin(); it != meshes_.end();) {
     const auto mesh = it++;
-    const bool in_use = mesh->second.mesh.use_count() > 1;
-    if (in_use) mesh->second.used = now;
-    if (in_use || mesh->second.used > since) continue;
-    dropped.push_back(std::move(mesh->second));
+    Stored& stored = mesh->second;
+    const bool in_use = stored.mesh.use_count() > 1;
+    if (in_use) stored.used = now;
+    if (in_use || stored.used > now - (stored.released ? released : unused)) continue;
+    dropped.push_back(std::move(stored));
     if (disk_ == nullptr) quotas_.erase(mesh->first);
     meshes_.erase(mesh);
   }

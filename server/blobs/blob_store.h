@@ -31,6 +31,8 @@ struct BlobLimits {
   std::chrono::steady_clock::duration unused_on_disk = std::chrono::minutes(1);
   /// ...or altogether.
   std::chrono::steady_clock::duration unused = std::chrono::minutes(30);
+  /// Likewise one that scenes have used and no client has asked for since: they are gone.
+  std::chrono::steady_clock::duration released = std::chrono::seconds(5);
 };
 
 /// Which unused meshes may be dropped.
@@ -60,6 +62,8 @@ class BlobStore {
   /// The mesh; from disk if it is not in memory. Errors: kNotFound, kResourceExhausted (the memory
   /// budget), kDataLoss (its file is corrupt).
   Result<MeshPointer> load(const BlobDigest& digest);
+  /// The same for a scene: when no scene has the mesh any more, it is released.
+  Result<MeshPointer> use(const BlobDigest& digest);
   /// A mesh of its own: `base` with the vertices of this one on disk. Errors: as load().
   Result<MeshPointer> load_patched(const scenegraph::model::Mesh& base, const BlobDigest& digest);
   /// Keeps the mesh on disk, where there is one, and returns its name. Waits for the disk. Errors:
@@ -96,8 +100,8 @@ class BlobStore {
   /// Drops the oldest mesh that nothing uses; with kStale, unless it is fresh. Returns the bytes of
   /// its tree; nothing if there was none.
   std::optional<std::uint64_t> drop_unused_mesh(Unused which);
-  /// Drops the meshes that nothing has used for BlobLimits::unused, as far as calls of this could
-  /// see: call it often.
+  /// Drops the meshes that nothing has used for BlobLimits::unused or, after scenes have used them,
+  /// BlobLimits::released, as far as calls of this could see: call it often.
   void drop_unused_meshes();
   /// Removes meshes from the disk that nothing names and nothing in this process uses. Needs a
   /// disk. Returns and errors: as store::Store::sweep().
@@ -118,6 +122,7 @@ class BlobStore {
     std::uint64_t order = 0;  // of arrival
     Upload::Clock::time_point arrived = {};
     mutable Upload::Clock::time_point used = arrived;  // or asked for
+    mutable bool released = false;                     // used by a scene, not asked for since
   };
   using PendingList = std::list<Pending>;
 

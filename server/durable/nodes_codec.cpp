@@ -114,7 +114,7 @@ Status NodesReader::add_mesh(const sightline::stored::v1::Mesh& mesh) {
   const bool patched = !mesh.patched().empty();
   const auto digest = blobs::BlobDigest::parse(mesh.digest());
   if (!digest) return corrupt(digest.error().message);
-  auto loaded = blobs_.load(*digest);
+  auto loaded = blobs_.use(*digest);
   if (patched && loaded) {
     const auto vertices = blobs::BlobDigest::parse(mesh.patched());
     if (!vertices) return corrupt(vertices.error().message);

@@ -60,7 +60,7 @@ class UpdateDecoder {
     if (!put.mesh_digest().empty()) {
       const auto digest = blobs::BlobDigest::parse(put.mesh_digest());
       if (!digest) return digest.error();
-      auto mesh = blobs_.load(*digest);
+      auto mesh = blobs_.use(*digest);
       if (!mesh && mesh.error().code != Code::kNotFound) return mesh.error();
       if (!mesh) missing_.insert(put.mesh_digest());
       if (mesh) node.mesh = std::move(*mesh);

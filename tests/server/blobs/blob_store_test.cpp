@@ -153,6 +153,23 @@ TEST(BlobStore, DropsWhatNothingHasUsedForLong) {
   EXPECT_EQ(hasty.memory.used(exec::Held::kMeshes), used->bytes());
 }
 
+TEST(BlobStore, DropsSoonWhatScenesHaveUsed) {
+  Budgeted budgeted(kRoomy, {.unused = kNever, .released = std::chrono::seconds(0)});
+  BlobStore& blobs = budgeted.blobs;
+  for (const std::uint32_t which : {1, 2, 3}) ASSERT_NE(store(blobs, sheet_blob(which)), nullptr);
+  {
+    const auto used = blobs.use(digest_of(sheet_blob(1)));
+    const auto asked_for = blobs.use(digest_of(sheet_blob(2)));
+    blobs.drop_unused_meshes();
+    EXPECT_NE(blobs.find(digest_of(sheet_blob(1))), nullptr);
+  }
+  EXPECT_TRUE(blobs.has(digest_of(sheet_blob(2))));
+  blobs.drop_unused_meshes();
+  EXPECT_EQ(blobs.find(digest_of(sheet_blob(1))), nullptr);
+  EXPECT_NE(blobs.find(digest_of(sheet_blob(2))), nullptr) << "a client is about to use it";
+  EXPECT_NE(blobs.find(digest_of(sheet_blob(3))), nullptr) << "it was never used";
+}
+
 TEST(BlobStore, AMeshThatHasJustArrivedIsFresh) {
   Budgeted patient(kRoomy), hasty(kRoomy, {.idle = kNever, .fresh = std::chrono::seconds(0)});
   store(patient.blobs, sheet_blob(0));
