@@ -9,7 +9,7 @@ from workload import Workload
 WORKLOAD = Workload(clients=1_000, scenes=300, median_triangles=20_000, tree_life_s=20)
 REPLICAS = 1, 3, 10, 30
 REQUESTS, SKIPPED = 60_000, 20_000
-LOADS = 0.15, 0.6  # of the cores of a replica, on the average
+LOADS = 0.05, 0.15  # of the cores of a replica, on the average, if all were warm
 BUDGET_GIB = 0.3   # a quarter of the scenes, with their trees
 
 

@@ -30,9 +30,11 @@ def finish(figure, folder, name, more=()):
     return save(figure, folder, name)
 
 
-def line(axes, rows, policy, x, y, **style):
+def line(axes, rows, policy, x, y):
     of = sorted((row for row in rows if row["policy"] == policy), key=lambda row: row[x])
-    axes.plot([row[x] for row in of], [row[y] for row in of], MARKS[policy] + "-", color=COLOURS[policy], ms=4, lw=1.4, **style)
+    wide = policy == "hashing"  # seen below the line of the policy that is often the same
+    axes.plot([row[x] for row in of], [row[y] for row in of], MARKS[policy] + "-", color=COLOURS[policy], ms=7 if wide else 4,
+              lw=2.6 if wide else 1.3, alpha=0.6 if wide else 1)
 
 
 def log_replicas(axes):
@@ -73,7 +75,7 @@ def warm(folder, rows):
 
 def log_fanout(folder, rows):
     """PostgreSQL's load."""
-    figure, axes = panels(len(UPDATES_S), "What following the log costs: load of a PostgreSQL machine (1: all its cores)")
+    figure, axes = panels(len(UPDATES_S), "What updates and meshes cost PostgreSQL, with 300 clients a replica (1: all cores of its machine)")
     for one, updates in zip(axes, UPDATES_S):
         for policy in COLOURS:
             line(one, [row for row in rows if row["updates_s"] == updates], policy, "replicas", "database_load")
@@ -88,7 +90,7 @@ def log_fanout(folder, rows):
 
 def cost(folder, rows):
     """An hour of the smallest fleet that suffices."""
-    figure, axes = panels(len(ZIPF), f"Cost an hour of the smallest fleet whose busiest replica is at most {FULL:.0%} loaded")
+    figure, axes = panels(len(ZIPF), f"Cost an hour of the smallest fleet whose busiest replica is loaded to {100 * FULL:.0f} % at most")
     fleets = smallest_fleets(rows)
     for one, zipf in zip(axes, ZIPF):
         for policy in COLOURS:
@@ -104,14 +106,14 @@ def cost(folder, rows):
         one.set_xlabel("clients, one request a second each")
     axes[0].set_ylabel("cost an hour")
     finish(figure, folder, "planning_cost", [plt.Line2D([], [], color=GREY, marker="x", ms=8, mew=2, ls="",
-                                                        label="the last point that any fleet serves")])
+                                                        label="no fleet of 1,000 serves the next number")])
 
 
 def agreement(folder, rows):
     """Steady state against events."""
     keys = ("warm_share", "share of warm trees"), ("mean_load", "mean load"), ("p50_ms", "median response, ms"), ("p99_ms", "99th percentile, ms")
     figure, axes = plt.subplots(1, len(keys), figsize=(3.5 * len(keys), 4.3))
-    figure.suptitle("The steady state against the event simulation, 1 to 30 replicas with little memory", x=0.01, ha="left", fontsize=12)
+    figure.suptitle("The steady state against the event simulation: 1 to 30 replicas with little memory; the band is a tenth", x=0.01, ha="left", fontsize=12)
     for one, (key, title) in zip(axes, keys):
         for policy in COLOURS:
             of = [row for row in rows if row["policy"] == policy]
@@ -119,20 +121,21 @@ def agreement(folder, rows):
                 some = [row for row in of if row["warm_load"] == load]
                 one.plot([row[f"events_{key}"] for row in some], [row[f"steady_{key}"] for row in some], MARKS[policy],
                          mfc=filled, mec=COLOURS[policy], ms=6, zorder=3)
-        _identity(one, key.endswith("_ms"))
+        _identity(one, [row[f"{who}_{key}"] for who in ("events", "steady") for row in rows], key.endswith("_ms"))
         one.set_title(title, fontsize=10)
         one.set_xlabel("event simulation")
     axes[0].set_ylabel("steady state")
     finish(figure, folder, "planning_events", [plt.Line2D([], [], color=GREY, marker="o", mfc="white", ls="", label="hollow: low load")])
 
 
-def _identity(axes, logarithmic):
+def _identity(axes, values, logarithmic):
     """The line on which both are equal, and a tenth to either side."""
-    low, high = min(axes.get_xlim()[0], axes.get_ylim()[0]), max(axes.get_xlim()[1], axes.get_ylim()[1])
-    low = max(low, 1e-3) if logarithmic else low
+    low, high = (0.8 * min(values), 1.25 * max(values)) if logarithmic else (0, 1.1 * max(values))
     if logarithmic:
         axes.set_xscale("log")
         axes.set_yscale("log")
+        for axis in axes.xaxis, axes.yaxis:
+            log_ticks(axis, low, high, (1, 1.5, 2, 3, 5, 7))
     axes.plot([low, high], [low, high], color=GREY, lw=0.9, zorder=1)
     axes.fill_between([low, high], [0.9 * low, 0.9 * high], [1.1 * low, 1.1 * high], color=LIGHT, zorder=0)
     axes.set_xlim(low, high)

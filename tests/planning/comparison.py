@@ -1,5 +1,6 @@
 """One workload on a real cluster of three replicas, and in the event simulation with the unit costs of the same machine and minutes."""
 import dataclasses
+import statistics
 
 from closed_loop import closed_loop
 from costs import Costs
@@ -10,7 +11,7 @@ from workload import Workload, popularity, scene_triangles
 
 WORKLOAD = Workload(scenes=30, median_triangles=50_000, sigma=0.6, tree_life_s=1e9)
 CLIENTS, REQUESTS = 6, 250  # each sends so many
-WARM_REQUESTS = 200         # of each client, to measure unit costs
+WARM_REQUESTS = 300         # of each client, to measure unit costs
 BOUND = 1.25
 PLENTY_GIB = 1e6
 QUANTITIES = "throughput", "built_ratio", "p50_ms"
@@ -26,6 +27,34 @@ def simulate(costs, policy, replicas, cores):
     return Simulation(costs, WORKLOAD, fleet, shared_cores=cores).run_closed(CLIENTS, CLIENTS * REQUESTS)
 
 
+@dataclasses.dataclass(frozen=True)
+class Round:
+    """What was measured."""
+    costs: Costs
+    measured: dict  # by policy: figures by name
+
+
+def median_costs(rounds):
+    return Costs(**{field.name: statistics.median(getattr(one.costs, field.name) for one in rounds) for field in dataclasses.fields(Costs)})
+
+
+def compare(rounds, replicas):
+    """A row for each round and policy. The simulation has the medians of the unit costs, and of the cores that the processes had: one
+    prediction for all rounds."""
+    costs = median_costs(rounds)
+    base = simulate(costs, "round_robin", 1, 1).built
+    rows = []
+    for policy in rounds[0].measured:
+        given = statistics.median(one.measured[policy]["cores"] for one in rounds)
+        tally = simulate(costs, policy, replicas, given)
+        simulated = {"throughput": tally.throughput(), "built_ratio": tally.built / base, "p50_ms": tally.quantile_ms(0.5),
+                     "p99_ms": tally.quantile_ms(0.99), "cpu_ms": 1e3 * float(tally.busy[0]) / tally.throughput(), "cores": given}
+        for number, one in enumerate(rounds, 1):
+            rows.append({"round": number, "policy": policy, **{f"{who}_{name}": of[name] for name in simulated for who, of in
+                                                               (("measured", one.measured[policy]), ("simulated", simulated))}})
+    return rows
+
+
 class Comparison:
     """With one cluster."""
 
@@ -33,30 +62,21 @@ class Comparison:
         self._cluster, self._policies, self._round, self._puts = cluster, policies, 0, 0
 
     def round(self):
-        """Unit costs, then a row for each policy. Scenes are new in every run."""
+        """Unit costs, then a run under each policy. Scenes are new in every run."""
         self._round += 1
-        costs, warm = self._measure_costs()
+        costs = self._measure_costs()
         base = self._run("one")[1]
-        base_simulated = simulate(costs, "round_robin", 1, warm["direct"].cores()).built
-        rows = []
+        measured = {}
         for policy in self._policies:
-            cores = warm["direct" if policy == "round_robin" else "through"].cores()
             run, built = self._run(policy)
-            tally = simulate(costs, policy, len(self._cluster.replicas), cores)
-            rows.append({"round": self._round, "policy": policy, "cores": cores, "measured_cores": run.cores(),
-                         "measured_cpu_ms": 1e3 * run.cores() / run.throughput(),
-                         "simulated_cpu_ms": 1e3 * float(tally.busy[0]) / tally.throughput(),
-                         "measured_throughput": run.throughput(), "simulated_throughput": tally.throughput(),
-                         "measured_built_ratio": built / base, "simulated_built_ratio": tally.built / base_simulated,
-                         "measured_p50_ms": run.quantile_ms(0.5), "simulated_p50_ms": tally.quantile_ms(0.5),
-                         "measured_p99_ms": run.quantile_ms(0.99), "simulated_p99_ms": tally.quantile_ms(0.99)})
-        return rows, costs
+            measured[policy] = {"throughput": run.throughput(), "built_ratio": built / base, "p50_ms": run.quantile_ms(0.5),
+                                "p99_ms": run.quantile_ms(0.99), "cpu_ms": 1e3 * run.cores() / run.throughput(), "cores": run.cores()}
+        return Round(costs, measured)
 
     def _measure_costs(self):
         sizes = scene_triangles(dataclasses.replace(WORKLOAD, scenes=WARM_SCENES + GROWTH_SCENES + COLD_SCENES, seed=5))
         scenes = self._put("costs", sizes)
-        measured, runs = request_costs(self._cluster, self._cluster.start_haproxy(), scenes, WORKLOAD, CLIENTS, WARM_REQUESTS)
-        return fill(measured), runs
+        return fill(request_costs(self._cluster, self._cluster.start_haproxy(), scenes, WORKLOAD, CLIENTS, WARM_REQUESTS))
 
     def _run(self, policy):
         """From cold. Returns what clients saw, and the triangles that all replicas built."""

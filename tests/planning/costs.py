@@ -32,7 +32,8 @@ class Costs:
     update_write_s: float      # the replica that takes an update
     update_follow_s: float     # a replica that reads it from the log, and has its scene loaded
     commit_s: float            # how long a transaction takes
-    database_update_s: float   # PostgreSQL, an update
+    database_commit_s: float   # PostgreSQL, a transaction
+    database_update_s: float   # PostgreSQL, for each update in it
     database_notice_s: float   # PostgreSQL, a notice for each replica that listens
     database_open_triangle_s: float  # PostgreSQL, for each triangle of a scene that a replica opens
     database_read_s: float     # PostgreSQL, a read of what is new in a scene

@@ -184,6 +184,8 @@ class Simulation:
         tally.seconds = now - self._began
         tally.in_flight = sum(self._in_flight)
         tally.responses_s = np.array(self._responses)
+        if self._fleet.has_proxy() and not self._shared:
+            tally.responses_s += self._costs.proxy_s(self._work.rays)
         tally.built = sum(cache.built for cache in self._caches)
         tally.warm_share = 1 - float(np.mean(self._missing))
         tally.busy = (np.array([p.busy_s for p in self._processors]) - self._busy_before) / tally.seconds

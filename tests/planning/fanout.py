@@ -22,6 +22,6 @@ def log_load(costs, updates_s, replicas, reads_s, opened_s):
     together = 1 + updates_s / replicas * costs.commit_s
     transactions = updates_s / together
     reads = reads_s / together + POLLS_S * replicas
-    cores = (updates_s * costs.database_update_s + transactions * replicas * costs.database_notice_s +
+    cores = (updates_s * costs.database_update_s + transactions * (costs.database_commit_s + replicas * costs.database_notice_s) +
              reads * costs.database_read_s + opened_s * costs.database_open_triangle_s)
     return LogLoad(transactions, reads, cores)

@@ -4,8 +4,10 @@ import os
 import pathlib
 import pwd
 import shutil
+import signal
 import socket
 import subprocess
+import sys
 import time
 
 from costs import ROOT
@@ -40,7 +42,8 @@ def listens(port):
 
 
 class OwnCluster:
-    """Leaving `with` stops all of it. `replicas` are pids, by port; `haproxy` and `postgres` are pids."""
+    """Leaving `with` stops all of it. `replicas` are pids, by port; `haproxy` and `postgres` are pids; `admins`
+    are the replicas' admin ports, in their order."""
 
     def __init__(self, sightlined, folder):
         for program in (sightlined, shutil.which("haproxy"), POSTGRES / "initdb"):
@@ -49,9 +52,10 @@ class OwnCluster:
         self._sightlined, self._folder = str(sightlined), pathlib.Path(folder)
         self._stack = contextlib.ExitStack()
         self.replicas, self.haproxy, self.postgres, self.store = {}, None, None, None
-        self._servers, self._admins, self._proxy = [], [], None
+        self._servers, self._proxy, self.admins = [], None, []
 
     def __enter__(self):
+        signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # so that nothing stays behind
         with contextlib.ExitStack() as stack:
             self._stack = stack
             self._start_postgres()
@@ -119,7 +123,7 @@ class OwnCluster:
             process.wait()
         started = [self._start_server(True) for _ in NAMES]
         self._servers = [process for _, process, _ in started]
-        self._admins = [admin for _, _, admin in started]
+        self.admins = [admin for _, _, admin in started]
         self.replicas = {port: process.pid for port, process, _ in started}
 
     def endpoints(self):
@@ -141,7 +145,7 @@ class OwnCluster:
         config.write_text(text)
         port = free_port()
         names = {"SIGHTLINE_BIND": f"127.0.0.1:{port}"}
-        for name, replica, admin in zip(NAMES, self.replicas, self._admins):
+        for name, replica, admin in zip(NAMES, self.replicas, self.admins):
             names[f"SIGHTLINE_REPLICA_{name}"] = f"127.0.0.1:{replica}"
             names[f"SIGHTLINE_ADMIN_{name}"] = str(admin)
         self._proxy = self._spawn(["haproxy", "-db", "-f", config], env={**os.environ, **names})

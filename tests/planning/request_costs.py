@@ -5,7 +5,6 @@ import numpy as np
 import sightline
 
 from closed_loop import closed_loop
-from processor_time import used_s
 from terrain import terrain, window_rays
 from workload import reach
 
@@ -71,7 +70,7 @@ def watch_growth(port, names, triangles, work):
 
 
 def fit_pieces(growth, work):
-    """The piece_triangles whose growth is nearest to what was seen, and the mean error of its logarithm."""
+    """The piece_triangles whose growth is nearest to what was seen, by the mean error of its logarithm."""
     count = np.arange(1, VISITS + 1)
 
     def error(piece):
@@ -79,7 +78,7 @@ def fit_pieces(growth, work):
         model = growth.triangles[:, None] * (1 - (1 - share[:, None]) ** count)
         return float(np.abs(np.log(model / growth.built)).mean())
 
-    return min((error(piece), float(piece)) for piece in PIECES)[::-1]
+    return float(min(PIECES, key=error))
 
 
 def cold_runs(cluster, port, names, triangles, work, clients, warm_s):
@@ -120,20 +119,30 @@ def two_sizes(of_few, of_many, few, many):
     return max(0.0, of_many - ray * many), ray
 
 
+def grow_all(cluster, names, work):
+    """Builds the trees of these scenes at every replica."""
+    random = np.random.default_rng(work.seed)
+    for port in cluster.replicas:
+        client = sightline.connect(f"127.0.0.1:{port}", token="")
+        for name in names:
+            for _ in range(4):
+                client.scene(name).cast(window_rays(random, 32_768, 1.0), fields=("t",))
+        client.close()
+
+
 def warm_runs(cluster, endpoint, names, work, clients, requests, proxy):
-    """Runs with few and with many rays a request, after one that builds the trees."""
-    def run(rays, window, count):
-        return closed_loop(cluster, endpoint, names, np.full(len(names), 1 / len(names)), clients, count, rays, window, 7, proxy=proxy)
-    run(8 * work.rays, 1.0, max(8, 20 * len(names) * len(cluster.replicas) // clients))
-    return run(work.rays // 4, work.window, requests), run(work.rays, work.window, requests)
+    """Runs with few and with many rays a request."""
+    return [closed_loop(cluster, endpoint, names, np.full(len(names), 1 / len(names)), clients, requests, rays, work.window, 7, proxy=proxy)
+            for rays in (work.rays // 4, work.rays)]
 
 
 def request_costs(cluster, proxy_endpoint, scenes, work, clients, requests):
-    """The fields of Costs that concern requests, and the runs of warm requests at all replicas. scenes: what `put_scenes` returned for
+    """The fields of Costs that concern requests. scenes: what `put_scenes` returned for
     WARM_SCENES + GROWTH_SCENES + COLD_SCENES scenes that no one has used."""
     few, many = work.rays // 4, work.rays
     part = lambda begin, count: (scenes[0][begin:begin + count], scenes[1][begin:begin + count])
     warm = part(0, WARM_SCENES)[0]
+    grow_all(cluster, warm, work)
     direct = warm_runs(cluster, cluster.endpoints(), warm, work, clients, requests, False)
     through = warm_runs(cluster, proxy_endpoint, warm, work, clients, requests, True)
     port = next(iter(cluster.replicas))
@@ -141,10 +150,10 @@ def request_costs(cluster, proxy_endpoint, scenes, work, clients, requests):
     cold = cold_runs(cluster, port, *part(WARM_SCENES + GROWTH_SCENES, COLD_SCENES), work, clients, direct[1].server_s)
     found = dict(zip(("open_scene_s", "open_triangle_s", "build_triangle_s"), fit_cold(cold)))
     found["database_open_triangle_s"] = sum(run.store_s for run in cold) / sum(run.opened_triangles for run in cold)
-    found["piece_triangles"], growth_error = fit_pieces(growth, work)
+    found["piece_triangles"] = fit_pieces(growth, work)
     for who in "client", "server":
         costs = two_sizes(getattr(direct[0], f"{who}_s"), getattr(direct[1], f"{who}_s"), few, many)
         found[f"{who}_request_s"], found[f"{who}_ray_s"] = costs
     found["proxy_request_s"], found["proxy_ray_s"] = two_sizes(through[0].proxy_s, through[1].proxy_s, few, many)
     found["geometry_bytes"], found["tree_bytes"] = growth.geometry_bytes, growth.tree_bytes
-    return found, {"direct": direct[1], "through": through[1], "growth_error": growth_error, "cold": cold}
+    return found

@@ -6,7 +6,7 @@ replica's *patience*: the time in which others fill the memory (Che's approximat
 import numpy as np
 
 LONGEST_S = 1e9
-_STEPS = 60  # of bisection, on the logarithm of the patience
+_STEPS = 40  # of bisection, on the logarithm of the patience
 
 
 def stay(rate, patience_s, life_s):
@@ -31,7 +31,7 @@ def patience(rates, replicas, count, bytes_of, budget_bytes, life_s):
     low, high = np.full(count, -6.0), np.full(count, np.log10(LONGEST_S))
     for _ in range(_STEPS):
         middle = (low + high) / 2
-        chance = stay(rates, 10 ** middle[replicas], life_s)
+        chance = stay(rates, (10 ** middle)[replicas], life_s)
         held = np.bincount(replicas, chance * bytes_of(chance), count)
         fits = held <= budget_bytes
         low, high = np.where(fits, middle, low), np.where(fits, high, middle)

@@ -11,7 +11,7 @@ import numpy as np
 
 import residence
 from fanout import log_load
-from spreading import spread
+from spreading import spill_chance, spread
 from workload import Workload, popularity, reach, scene_triangles
 
 SAMPLES = 20_000   # requests, of which latencies are quantiles
@@ -55,14 +55,23 @@ def waiting_factor(cores, load):
     return 1 + waits / (cores * (1 - load))
 
 
-@functools.lru_cache(maxsize=64)
-def _spread_of(zipf, scenes, replicas, policy, bound):
-    """Does not depend on the number of clients: a sweep asks for the same ones again."""
-    return spread(popularity(Workload(zipf=zipf, scenes=scenes)), replicas, policy, bound)
+@functools.lru_cache(maxsize=256)
+def _known_spread(zipf, scenes, replicas, policy, bound, spill):
+    return spread(popularity(Workload(zipf=zipf, scenes=scenes)), replicas, policy, bound, spill)
+
+
+def _spread_of(costs, workload, fleet):
+    """A sweep asks for the same ones again: the number of clients matters to none but bounded."""
+    spill = 0.0
+    if fleet.policy == "bounded":
+        load = workload.request_rate() * costs.warm_s(workload.rays) / fleet.replicas / fleet.cores
+        load = min(load, FULLEST)
+        spill = round(spill_chance(load * fleet.cores * waiting_factor(fleet.cores, load), fleet.replicas, fleet.bound) * 20) / 20
+    return _known_spread(workload.zipf, workload.scenes, fleet.replicas, fleet.policy, fleet.bound, spill)
 
 
 def steady_state(costs, workload, fleet):
-    spread_ = _spread_of(workload.zipf, workload.scenes, fleet.replicas, fleet.policy, fleet.bound)
+    spread_ = _spread_of(costs, workload, fleet)
     scene, where = spread_.scene, spread_.replica
     rates = spread_.share * workload.request_rate()
     triangles = scene_triangles(workload)[scene]
@@ -81,7 +90,10 @@ def steady_state(costs, workload, fleet):
     update_rates = popularity(workload) * workload.request_rate() * workload.update_share
     holders = np.bincount(scene, chance, workload.scenes) * spread_.alike
     followers = np.maximum(holders - 1, 0)  # the one that takes an update need not follow it
-    opened = float((rates * (1 - chance) * triangles).sum()) * spread_.alike
+    # Copies of meshes stay on the replica's disk: PostgreSQL sends one again only when it was replaced.
+    served = np.minimum(1, fleet.cores / total(rates * seconds))
+    fetched = rates * served[where] * (1 - residence.stay(rates, np.inf, workload.tree_life_s))
+    opened = float((fetched * triangles).sum()) * spread_.alike
     log = log_load(costs, float(update_rates.sum()), fleet.replicas, float((update_rates * followers).sum()), opened)
     database_load = log.cores / fleet.database_cores
     acknowledged = min(1.0, 1 / database_load)
