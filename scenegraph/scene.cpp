@@ -18,6 +18,7 @@ Scene::Scene(const revision::MergeRule& rule)
 Status Scene::restore(SceneContent content) {
   auto hierarchy = revision::restore_hierarchy(std::move(content.nodes), content.next_id);
   if (!hierarchy) return hierarchy.error();
+  const std::lock_guard writer(writer_);
   set_published(
       {std::make_shared<const revision::Snapshot>(content.revision, *hierarchy), content.next_id});
   return {};

@@ -63,8 +63,8 @@ class Scene {
  public:
   explicit Scene(const revision::MergeRule& rule = {});
 
-  /// Begins at this revision. Call it before any other member. Errors: kDataLoss, if the content
-  /// is not that of a scene.
+  /// Begins anew at this revision. No revision may wait for publish_next(). Errors: kDataLoss, if
+  /// the content is not that of a scene. Threads: any; no writer meanwhile.
   Status restore(SceneContent content);
 
   /// The newest published revision. Never waits for a writer. Threads: any.

@@ -125,6 +125,9 @@ void add_storage_flags(CLI::App& app, ServerConfig& config) {
                  "postgresql://USER@HOST:PORT,HOST:PORT/DATABASE, which several servers may share; "
                  "instead of --data-dir")
       ->type_name("URI");
+  add_time(
+      app, "--max-staleness-ms", config.max_staleness,
+      "Refuse reads that name no revision when the store was not reached for longer; 0: never");
   app.add_option("--mesh-cache", config.mesh_cache,
                  "Directory for copies of the store's meshes, of this server alone; by default a "
                  "temporary one");

@@ -29,8 +29,11 @@ struct ServerConfig {
   std::filesystem::path data_dir;   ///< Created if missing. Empty: none.
   std::string store;  ///< postgresql://..., instead of data_dir; may hold a password. Empty: none.
   std::filesystem::path mesh_cache;  ///< Copies of meshes of `store`. Empty: a temporary directory.
-  int threads = default_threads();   ///< Workers for queries, 1 to kMaxThreads. Updates and
-                                     ///< background work have as many each.
+  /// Reads that name no revision are refused while the newest revisions in `store` were not told
+  /// for longer. 0: never.
+  std::chrono::milliseconds max_staleness{0};
+  int threads = default_threads();  ///< Workers for queries, 1 to kMaxThreads. Updates and
+                                    ///< background work have as many each.
   scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< kFirstTouch, kDemand or kFull.
   std::uint64_t memory_budget = default_memory_budget();        ///< Bytes of all that is held.
   exec::AdmissionLimits admission;

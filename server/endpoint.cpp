@@ -106,7 +106,7 @@ void Endpoint::accept(net::ListeningSockets listening) {
           .failed =
               [this] {
                 acceptor_failed_.store(true);
-                grpc_->GetHealthCheckService()->SetServingStatus(false);
+                not_serving();
               }});
 }
 
@@ -121,7 +121,18 @@ std::shared_ptr<grpc::Channel> Endpoint::in_process() {
   return grpc_->InProcessChannel(arguments);
 }
 
-void Endpoint::not_serving() { grpc_->GetHealthCheckService()->SetServingStatus(false); }
+void Endpoint::not_serving() {
+  set_serving(false);
+  const std::lock_guard lock(health_);
+  ended_ = true;
+}
+
+void Endpoint::set_serving(bool serving) {
+  const std::lock_guard lock(health_);
+  if (ended_ || serving == serving_) return;
+  serving_ = serving;
+  grpc_->GetHealthCheckService()->SetServingStatus(serving);
+}
 
 void Endpoint::shut_down() {
   refusal_pace_.stop();

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <stop_token>
 
 #include "accel/result.h"
@@ -38,8 +39,10 @@ class Endpoint {
   /// Calls of this process; after serve().
   std::shared_ptr<grpc::Channel> in_process();
 
-  /// What the health service says from now on.
+  /// What the health service says from now on: that of a server that stops, and does not change.
   void not_serving();
+  /// What it says until then. Threads: any.
+  void set_serving(bool serving);
   /// Refuses new calls, waits up to ServerConfig::drain for open ones and then cancels them.
   /// Returns when all have ended.
   void shut_down();
@@ -68,6 +71,9 @@ class Endpoint {
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> connections_;
   std::unique_ptr<grpc::Server> grpc_;
   std::atomic<bool> acceptor_failed_{false};
+  std::mutex health_;    // held while what the health service says is changed
+  bool ended_ = false;   // protected by health_: it says no for good
+  bool serving_ = true;  // protected by health_
   std::unique_ptr<net::Acceptor> acceptor_;
 };
 

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -47,11 +48,13 @@ struct Server::Parts {
                                    .scenes = state.scenes,
                                    .reclaimer = state.reclaimer,
                                    .store = state.store.get(),
+                                   .follower = state.follower,
                                    .tls = access.tls.get(),
                                    .per_scene = state.config.metrics_per_scene};
   AdminPort admin{state.config, state.metrics, state_metrics};
   exec::Ticker limits{kEnforceEvery, [this] { state.enforce_limits(); }};
   exec::Ticker reload{kReloadEvery, [this] { access.reload(); }};
+  std::optional<exec::Ticker> health;  // where other servers use the store, too
   std::once_flag drained;
 
   Status answer_probes();
@@ -63,6 +66,10 @@ Status Server::Parts::answer_probes() {
   admin.readiness().add("acceptor", [this] { return endpoint.accepts(); });
   if (state.store != nullptr)
     admin.readiness().add("store", [this] { return state.store->writable(); });
+  if (state.follower) {
+    admin.readiness().add("replica", [this] { return state.follower->ready(); });
+    health.emplace(kEnforceEvery, [this] { endpoint.set_serving(state.follower->serves().ok()); });
+  }
   return admin.open(endpoint.in_process());
 }
 
@@ -102,7 +109,7 @@ Result<std::unique_ptr<Server>> Server::start(const ServerConfig& config) {
   if (!disk) return disk.error();
 
   auto parts = std::make_unique<Parts>(config, *std::move(access), *std::move(disk));
-  if (const Status opened = parts->state.scenes.open(); !opened) return opened.error();
+  if (const Status opened = parts->state.open(); !opened) return opened.error();
   if (const Status served = parts->endpoint.serve(*address); !served) return served.error();
   std::unique_ptr<Server> server(new Server(std::move(parts)));
   if (const Status answers = server->parts_->answer_probes(); !answers) return answers.error();

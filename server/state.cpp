@@ -60,14 +60,24 @@ State::State(const ServerConfig& c, std::unique_ptr<store::Store> disk)
                .shared = false}),
       store(std::move(disk)),
       blobs(memory, {}, store.get()),
-      keeper(store == nullptr ? nullptr
-                              : std::make_unique<durable::StoreKeeper>(
-                                    durable::StoreParts{*store, blobs, compute})),
+      keeper(store == nullptr
+                 ? nullptr
+                 : std::make_unique<durable::StoreKeeper>(
+                       durable::StoreParts{*store, blobs, compute},
+                       store->shared() ? std::make_shared<scenes::Replica>(c.max_staleness)
+                                       : nullptr)),
       scenes(memory, keeper.get()),
       reclaimer(memory, scenes, blobs),
       compute(c.threads) {
   memory.set_reclaim([this](std::uint64_t bytes) { reclaimer.reclaim(bytes); });
   if (store != nullptr) sweeper.emplace(durable::StoreParts{*store, blobs, compute});
+}
+
+Status State::open() {
+  if (Status opened = scenes.open(); !opened) return opened;
+  if (store != nullptr && store->shared())
+    follower.emplace(durable::StoreParts{*store, blobs, compute}, *keeper, scenes);
+  return {};
 }
 
 void State::stop_waiting() {

@@ -7,6 +7,7 @@
 #include "accel/result.h"
 #include "server/blobs/blob_store.h"
 #include "server/config.h"
+#include "server/durable/store_follower.h"
 #include "server/durable/store_keeper.h"
 #include "server/durable/sweeper.h"
 #include "server/exec/admission.h"
@@ -73,6 +74,12 @@ struct State {
                                   .scene_puts = scene_puts,
                                   .policy = config.policy,
                                   .slow_query = config.slow_query};
+
+  std::optional<durable::StoreFollower> follower;  // where other servers use the store, too
+
+  /// Finds the scenes that are kept, and follows what other servers do to them. Call it first.
+  /// Errors: as scenes::SceneStore::open.
+  Status open();
 
   /// Ends the calls that would otherwise run until a client or a writer acts, and refuses new ones.
   /// Streams of rays end by themselves when their clients close them.

@@ -87,6 +87,33 @@ void add_store(Samples& samples, const store::StoreFigures& store) {
                     number(store.bytes_free));
 }
 
+void add_follower(Samples& samples, const durable::StoreFollower& follower) {
+  using Seconds = std::chrono::duration<double>;
+  const scenes::Lag lag = follower.behind().lag;
+  const auto staleness = follower.replica().staleness();
+  const scenes::Replica::Tallies& tallies = follower.replica().tallies;
+  samples.add_gauge("replica_lag_revisions",
+                    "Revisions of other servers that the scene furthest behind has not.",
+                    number(lag.revisions));
+  samples.add_gauge("replica_lag_seconds", "How long a scene has been behind.",
+                    Seconds(lag.time).count());
+  samples.add_gauge("replica_staleness_seconds", "Since the store told the newest revisions.",
+                    Seconds(staleness).count());
+  samples.add_gauge("store_reachable", "1 if it has told them lately.",
+                    staleness <= durable::kMaxLag ? 1 : 0);
+  samples.add_counter("replica_revisions_followed_total",
+                      "Revisions of other servers that were applied.",
+                      number(tallies.revisions_followed));
+  samples.add_counter("replica_scenes_reloaded_total",
+                      "Scenes read anew, as the log did not go back far enough.",
+                      number(tallies.scenes_reloaded));
+  samples.add_counter("replica_writes_repeated_total",
+                      "Writes applied again, as another server had committed first.",
+                      number(tallies.writes_repeated));
+  samples.add_counter("replica_writes_failed_total", "Writes refused after too many tries.",
+                      number(tallies.writes_failed));
+}
+
 void add_scenes(Samples& samples, const SceneList& scenes) {
   std::vector<std::pair<prometheus::Labels, scenegraph::revision::BuildSummary>> built;
   for (const auto& scene : scenes) {
@@ -115,6 +142,7 @@ void StateMetrics::add_to(Samples& samples) const {
   samples.add_counter("tree_evictions_total", "Scenes and meshes whose trees were dropped.",
                       number(reclaimer.evictions()));
   if (store != nullptr) add_store(samples, store->figures());
+  if (follower) add_follower(samples, *follower);
   if (tls != nullptr) {
     samples.add_gauge("certificate_expires_seconds",
                       "When the server's certificate does: Unix time.",

@@ -1,6 +1,9 @@
 // Metrics of what the server holds now.
 #pragma once
 
+#include <optional>
+
+#include "server/durable/store_follower.h"
 #include "server/exec/admission.h"
 #include "server/exec/memory_account.h"
 #include "server/exec/quotas.h"
@@ -22,7 +25,9 @@ struct StateMetrics {
   const scenes::SceneStore& scenes;
   const scenes::Reclaimer& reclaimer;
   const store::Store* store = nullptr;  ///< Null: scenes are in memory only.
-  const security::Tls* tls = nullptr;   ///< Null: no TLS.
+  /// Nothing: no other server uses the store.
+  const std::optional<durable::StoreFollower>& follower;
+  const security::Tls* tls = nullptr;  ///< Null: no TLS.
   bool per_scene = false;  ///< Also values with a label for the scene. Walks what is built.
 
   /// Threads: any.

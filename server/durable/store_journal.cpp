@@ -22,13 +22,26 @@ constexpr std::uint64_t kLeastLog = std::uint64_t{1} << 20;
 /// What applying a batch again costs beside its updates, in bytes.
 constexpr std::uint64_t kBatchCost = 512;
 
+scenes::KeptProducer kept_producer(store::ProducerRecord producer) {
+  scenes::KeptProducer kept{producer.last_committed, {}};
+  kept.recent.reserve(producer.recent.size());
+  for (store::ProducerCommit& commit : producer.recent)
+    kept.recent.push_back({commit.sequence, std::move(commit.nodes)});
+  return kept;
+}
+
+/// Whether another server has written a newer snapshot meanwhile.
+bool is_superseded(const Error& error) {
+  return error.code == Code::kAlreadyExists || error.code == Code::kOutOfRange ||
+         error.code == Code::kAborted;
+}
+
 }  // namespace
 
 StoreJournal::StoreJournal(const StoreParts& parts, const store::SceneRecord& record)
     : parts_(parts),
       id_(record.id),
-      log_bytes_(record.log_bytes + kBatchCost * (record.revision - record.base)),
-      snapshots_(record.snapshots) {}
+      log_bytes_(record.log_bytes + kBatchCost * (record.revision - record.base)) {}
 
 Status StoreJournal::load(scenes::JournalReader& into) {
   const auto record = parts_.store.scene(id_);
@@ -80,19 +93,41 @@ Status StoreJournal::load_writers(scenes::JournalReader& into) {
   const auto producers = parts_.store.producers(id_);
   if (!producers) return producers.error();
   for (const store::ProducerRecord& producer : *producers) {
-    std::vector<scenes::ProducerBatch> recent;
-    recent.reserve(producer.recent.size());
-    for (const store::ProducerCommit& commit : producer.recent)
-      recent.push_back({commit.sequence, commit.nodes});
-    Status taken = into.producer(producer.name, producer.last_committed, std::move(recent));
+    scenes::KeptProducer kept = kept_producer(producer);
+    Status taken = into.producer(producer.name, kept.last_committed, std::move(kept.recent));
     if (!taken) return taken;
   }
   return {};
 }
 
+Status StoreJournal::follow(std::uint64_t revision, scenes::JournalReader& into) {
+  return load_log(revision, into);
+}
+
+Result<std::optional<scenes::KeptAnswer>> StoreJournal::answer(const std::string& request_id) {
+  auto answer = parts_.store.answer(id_, request_id);
+  if (!answer) return answer.error();
+  if (!*answer) return std::optional<scenes::KeptAnswer>();
+  return std::optional(
+      scenes::KeptAnswer{(*answer)->content, {(*answer)->revision, std::move((*answer)->nodes)}});
+}
+
+Result<std::optional<scenes::KeptProducer>> StoreJournal::producer(const std::string& name) {
+  auto producer = parts_.store.producer(id_, name);
+  if (!producer) return producer.error();
+  if (!*producer) return std::optional<scenes::KeptProducer>();
+  return std::optional(kept_producer(std::move(**producer)));
+}
+
 std::string StoreJournal::encode(const std::vector<scenegraph::model::Update>& updates,
                                  const std::vector<scenegraph::model::NodeId>& nodes) const {
   return encode_batch(updates, nodes);
+}
+
+Result<std::vector<scenegraph::model::Update>> StoreJournal::decode(const std::string& updates) {
+  auto batch = decode_batch(updates, parts_.blobs);
+  if (!batch) return batch.error();
+  return std::move(batch->updates);
 }
 
 Status StoreJournal::append(const scenes::JournalEntry& entry, Done done) {
@@ -111,6 +146,8 @@ Status StoreJournal::append(const scenes::JournalEntry& entry, Done done) {
   }
   for (const scenes::ProducerBatch& one : entry.batches)
     batch.commits.push_back({entry.producer, one.sequence, one.nodes});
+  batch.fate = entry.fate;
+  batch.after = entry.after;
   if (entry.updates) log_bytes_ += entry.updates->size() + kBatchCost;
   return parts_.store.append(std::move(batch), std::move(done));
 }
@@ -136,17 +173,22 @@ Status StoreJournal::write_snapshot(const scenegraph::SceneState& state, std::ui
   const auto cost = writer.keep_patched(parts_.blobs);
   if (!cost) return cost.error();
   const auto bytes = write_parts(writer, revision);
-  if (!bytes) return bytes.error();
-  last_cost_ = *cost + *bytes;
+  if (!bytes && !(parts_.store.shared() && is_superseded(bytes.error()))) return bytes.error();
+  if (bytes) last_cost_ = *cost + *bytes;
   log_bytes_ -= logged;
-  const std::lock_guard lock(mutex_);
-  snapshots_.push_back(revision);
-  const auto after = std::ranges::upper_bound(snapshots_, oldest);
-  if (after == snapshots_.begin()) return {};
-  const std::uint64_t base = *std::prev(after);
-  if (Status dropped = parts_.store.drop_before(id_, base); !dropped) return dropped;
-  snapshots_.erase(snapshots_.begin(), std::prev(after));
-  return {};
+  return move_base(oldest);
+}
+
+/// Drops what no revision that can be read needs. Other servers may do the same.
+Status StoreJournal::move_base(std::uint64_t oldest) {
+  const auto record = parts_.store.scene(id_);
+  if (!record) return record.error();
+  const auto after = std::ranges::upper_bound(record->snapshots, oldest);
+  if (after == record->snapshots.begin() || *std::prev(after) == record->base) return {};
+  Status dropped = parts_.store.drop_before(id_, *std::prev(after));
+  if (!dropped && parts_.store.shared() && dropped.error().code == Code::kFailedPrecondition)
+    return {};  // the base is beyond it by now
+  return dropped;
 }
 
 /// The next snapshot is tried when the log has doubled.

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,8 +23,12 @@ class StoreJournal final : public scenes::Journal,
   StoreJournal(const StoreParts& parts, const store::SceneRecord& record);
 
   Status load(scenes::JournalReader& into) override;
+  Status follow(std::uint64_t revision, scenes::JournalReader& into) override;
+  Result<std::optional<scenes::KeptAnswer>> answer(const std::string& request_id) override;
+  Result<std::optional<scenes::KeptProducer>> producer(const std::string& name) override;
   std::string encode(const std::vector<scenegraph::model::Update>& updates,
                      const std::vector<scenegraph::model::NodeId>& nodes) const override;
+  Result<std::vector<scenegraph::model::Update>> decode(const std::string& updates) override;
   Status append(const scenes::JournalEntry& entry, Done done) override;
   void published(const scenegraph::SceneState& newest, std::uint64_t oldest) noexcept override;
   Status remove() override;
@@ -36,14 +40,13 @@ class StoreJournal final : public scenes::Journal,
   Status write_snapshot(const scenegraph::SceneState& state, std::uint64_t oldest);
   void note_failure(std::uint64_t revision, const Error& error);
   Result<std::uint64_t> write_parts(NodesWriter& writer, std::uint64_t revision);
+  Status move_base(std::uint64_t oldest);
 
   const StoreParts parts_;
   const store::SceneId id_;
   std::atomic<std::uint64_t> log_bytes_;     // of updates since the last snapshot
   std::atomic<std::uint64_t> last_cost_{0};  // bytes of the last snapshot
   std::atomic<bool> writing_{false};         // a task writes a snapshot
-  std::mutex mutex_;
-  std::vector<std::uint64_t> snapshots_;  // protected by mutex_; ascending
 };
 
 }  // namespace sightline::server::durable

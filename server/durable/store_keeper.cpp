@@ -26,36 +26,50 @@ Result<scenes::KeptScene> StoreKeeper::create(const scenes::SceneInfo& info) {
   store::SceneRecord record;
   record.id = *id;
   return scenes::KeptScene{std::make_shared<StoreJournal>(parts_, record), stored.incarnation,
-                           std::nullopt};
+                           std::nullopt, *id, replica_};
 }
 
 Result<scenes::KeptScene> StoreKeeper::restore(const scenes::SceneInfo& info,
-                                               const scenegraph::SceneState& state) {
+                                               const scenegraph::SceneState& state, bool replace) {
   NodesWriter writer(state);
   if (const auto kept = writer.keep_patched(parts_.blobs); !kept) return kept.error();
   const store::SceneInfo stored = stored_info(info);
-  const auto id =
-      parts_.store.restore_scene(stored, state.snapshot->revision(), writer.blobs(),
-                                 [&]() -> Result<std::string> { return writer.next(kPartBytes); });
+  const auto id = parts_.store.restore_scene(
+      stored, state.snapshot->revision(), writer.blobs(),
+      [&]() -> Result<std::string> { return writer.next(kPartBytes); }, replace);
   if (!id) return id.error();
   const auto record = parts_.store.scene(*id);
   if (!record) return record.error();
-  return scenes::KeptScene{std::make_shared<StoreJournal>(parts_, *record), stored.incarnation,
-                           record->revision};
+  return found(*record).kept;
 }
 
 Result<std::vector<scenes::SceneKeeper::Found>> StoreKeeper::find_all() {
   const auto records = parts_.store.scenes();
   if (!records) return records.error();
-  std::vector<Found> found;
-  found.reserve(records->size());
-  for (const store::SceneRecord& record : *records) {
-    found.push_back({{record.info.name, static_cast<scenes::UpAxis>(record.info.up_axis),
-                      record.info.meters_per_unit},
-                     {std::make_shared<StoreJournal>(parts_, record), record.info.incarnation,
-                      record.revision}});
-  }
-  return found;
+  std::vector<Found> all;
+  all.reserve(records->size());
+  for (const store::SceneRecord& record : *records) all.push_back(found(record));
+  return all;
+}
+
+Result<std::optional<scenes::SceneKeeper::Found>> StoreKeeper::find(const std::string& name) {
+  const auto record = parts_.store.find_scene(name);
+  if (!record) return record.error();
+  if (!*record) return std::optional<Found>();
+  return std::optional(found(**record));
+}
+
+Result<scenes::SceneKeeper::Found> StoreKeeper::find(store::SceneId id) {
+  const auto record = parts_.store.scene(id);
+  if (!record) return record.error();
+  return found(*record);
+}
+
+scenes::SceneKeeper::Found StoreKeeper::found(const store::SceneRecord& record) const {
+  return {{record.info.name, static_cast<scenes::UpAxis>(record.info.up_axis),
+           record.info.meters_per_unit},
+          {std::make_shared<StoreJournal>(parts_, record), record.info.incarnation, record.revision,
+           record.id, replica_}};
 }
 
 }  // namespace sightline::server::durable

@@ -60,9 +60,9 @@ GrpcCode grpc_code(Code code) {
 }
 
 /// Whether what is refused may be granted later.
-bool is_temporary(std::string_view reason) {
-  return reason == kQueueFull || reason == kQuotaRays || reason == kQuotaBytes ||
-         reason == kQuotaWork;
+bool is_temporary(grpc::StatusCode code, std::string_view reason) {
+  return code == grpc::StatusCode::UNAVAILABLE || reason == kQueueFull || reason == kQuotaRays ||
+         reason == kQuotaBytes || reason == kQuotaWork;
 }
 
 /// Cut between UTF-8 characters: the text goes into a protobuf string.
@@ -92,7 +92,7 @@ grpc::Status to_grpc(const Error& error) {
   status.set_code(code);
   status.set_message(cut(error.message));
   status.add_details()->PackFrom(info);
-  if (is_temporary(info.reason())) {
+  if (is_temporary(code, info.reason())) {
     google::rpc::RetryInfo retry;
     *retry.mutable_retry_delay() = google::protobuf::util::TimeUtil::MillisecondsToDuration(
         std::chrono::milliseconds(kRetryDelay).count());

@@ -29,7 +29,7 @@ Status CastJob::open(const v1::CastRaysRequest& request) {
   if (Status good = scenes::check_scene_name(request.scene()); !good) return good;
   auto query = decode_query(request, services_.policy);
   if (!query) return query.error();
-  auto scene = services_.scenes.get(request.scene());
+  auto scene = services_.find_for_read(request.scene(), request.consistency());
   if (!scene) return scene.error();
   query_ = std::move(*query);
   scene_ = std::move(*scene);

@@ -93,7 +93,9 @@ UpdateLog::Entry UpdateLog::prepare(std::vector<scenegraph::model::Update> updat
 }
 
 void UpdateLog::begin_after(std::uint64_t revision) {
+  std::vector<Updates> dropped;  // destroyed after the lock is released
   const std::lock_guard lock(mutex_);
+  dropped = history_.trim_to(0);
   last_ = revision;
 }
 

@@ -166,7 +166,7 @@ class UpdateLog {
   /// Makes an entry, and reserves memory to add it and `waiting` others that were made before.
   /// Throws std::bad_alloc, and then nothing has changed.
   Entry prepare(std::vector<scenegraph::model::Update> updates, std::size_t waiting = 0);
-  /// The next revision to add is the one after this. Call it while the log is empty.
+  /// Drops everything: the next revision to add is the one after this.
   void begin_after(std::uint64_t revision);
   /// Adds the updates of the next revision; the first revision is 1. Nodes are named by their ids.
   void add(Entry entry) noexcept;

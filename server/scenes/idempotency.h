@@ -37,6 +37,7 @@ class RequestAnswers {
   /// The answer to an earlier request of this id, or null. `content` is a digest of the request.
   /// Errors: kInvalidArgument if the earlier request had another content.
   Result<const scenegraph::Applied*> find(const std::string& id, std::uint64_t content) const;
+  bool knows(const std::string& id) const { return answers_.contains(id); }
   struct Kept {
     std::uint64_t content = 0;
     scenegraph::Applied answer;

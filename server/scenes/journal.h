@@ -12,7 +12,9 @@
 #include "scenegraph/model/update.h"
 #include "scenegraph/scene.h"
 #include "server/scenes/names.h"
+#include "server/scenes/replica.h"
 #include "server/scenes/scene_info.h"
+#include "server/store/store.h"
 
 namespace sightline::server::scenes {
 
@@ -33,12 +35,26 @@ struct JournalEntry {
   std::uint64_t expected = 0;  ///< The newest revision before it.
   /// As Journal::encode() made them; they make the next revision. Nothing: a rejected batch.
   std::optional<std::string> updates;
-  std::vector<std::string> mesh_digests;         ///< Of the meshes that the updates put.
-  std::vector<scenegraph::model::NodeId> nodes;  ///< That the updates put, in order.
-  std::string request_id;                        ///< Empty: none.
-  std::uint64_t content = 0;                     ///< Digest of the request.
-  std::string producer;                          ///< Empty: none.
-  std::vector<ProducerBatch> batches;            ///< Of the producer, that are part of the write.
+  std::vector<std::string> mesh_digests;          ///< Of the meshes that the updates put.
+  std::vector<scenegraph::model::NodeId> nodes;   ///< That the updates put, in order.
+  std::string request_id;                         ///< Empty: none.
+  std::uint64_t content = 0;                      ///< Digest of the request.
+  std::string producer;                           ///< Empty: none.
+  std::vector<ProducerBatch> batches;             ///< Of the producer, that are part of the write.
+  std::shared_ptr<store::Fate> fate = {};         ///< As store::Batch::fate.
+  std::shared_ptr<const store::Fate> after = {};  ///< As store::Batch::after.
+};
+
+/// The answer to a request with a request id.
+struct KeptAnswer {
+  std::uint64_t content = 0;  ///< Digest of the request.
+  scenegraph::Applied applied;
+};
+
+/// A producer's progress.
+struct KeptProducer {
+  std::uint64_t last_committed = 0;   ///< Sequence number.
+  std::vector<ProducerBatch> recent;  ///< The last batches, oldest first.
 };
 
 /// What a journal keeps of a scene, in this order: one base, all batches after it, answers,
@@ -69,8 +85,18 @@ class Journal {
   /// memory budget has no room for it; those of `into`.
   virtual Status load(JournalReader& into) = 0;
 
+  /// Reads the batches after `revision` only. Errors: as load(), and kOutOfRange
+  /// (REVISION_NOT_KEPT: they are not kept any more), kNotFound (the scene was removed).
+  virtual Status follow(std::uint64_t revision, JournalReader& into) = 0;
+  /// What is kept of a request. Nothing: it is not known.
+  virtual Result<std::optional<KeptAnswer>> answer(const std::string& request_id) = 0;
+  /// What is kept of a producer. Nothing: it is not known.
+  virtual Result<std::optional<KeptProducer>> producer(const std::string& name) = 0;
+
   virtual std::string encode(const std::vector<scenegraph::model::Update>& updates,
                              const std::vector<scenegraph::model::NodeId>& nodes) const = 0;
+  /// The updates that encode() was given. Errors: as load().
+  virtual Result<std::vector<scenegraph::model::Update>> decode(const std::string& updates) = 0;
   /// Keeps the entry if `expected` is the last revision that is kept. Calls done() once, on any
   /// thread, in the order of the calls. Returns an error, and never calls it, if it takes no more.
   virtual Status append(const JournalEntry& entry, Done done) = 0;
@@ -89,6 +115,10 @@ struct KeptScene {
   std::uint64_t incarnation = new_incarnation();
   /// The newest revision of the journal, which load() must read first. Nothing: it holds none.
   std::optional<std::uint64_t> unread = {};
+  /// By which the keeper knows the scene. Later scenes have greater ones.
+  store::SceneId number = 0;
+  /// If other servers write to the journal, too; else null.
+  std::shared_ptr<Replica> replica = nullptr;
 };
 
 /// Keeps scenes. Threads: any, for every member.
@@ -99,9 +129,10 @@ class SceneKeeper {
   /// Waits for the disk. Errors: kAlreadyExists, kResourceExhausted, kUnavailable.
   virtual Result<KeptScene> create(const SceneInfo& info) = 0;
 
-  /// Keeps a scene with these nodes, in place of the one of its name, if there is one. Waits for
-  /// the disk. Errors: as create(), but for kAlreadyExists.
-  virtual Result<KeptScene> restore(const SceneInfo& info, const scenegraph::SceneState& state) = 0;
+  /// Keeps a scene with these nodes; with `replace` in place of the one of its name, if there is
+  /// one. Waits for the disk. Errors: as create().
+  virtual Result<KeptScene> restore(const SceneInfo& info, const scenegraph::SceneState& state,
+                                    bool replace) = 0;
 
   struct Found {
     SceneInfo info;
@@ -109,6 +140,10 @@ class SceneKeeper {
   };
   /// All scenes that are kept.
   virtual Result<std::vector<Found>> find_all() = 0;
+  /// The scene of this name. Nothing: there is none.
+  virtual Result<std::optional<Found>> find(const std::string& name) = 0;
+  /// If other servers keep scenes in the same place; else null.
+  virtual Replica* replica() = 0;
 };
 
 }  // namespace sightline::server::scenes

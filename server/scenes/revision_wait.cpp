@@ -26,8 +26,13 @@ void RevisionWait::read(std::shared_ptr<StoredScene> scene, const v1::Consistenc
     });
   }
   if (consistency.requirement_case() == v1::Consistency::kExactRevision)
-    return done(scene->at(consistency.exact_revision()));
-  if (consistency.requirement_case() != v1::Consistency::kAtLeast) return done(scene->snapshot());
+    return read_exactly(scene, consistency.exact_revision(), std::move(done));
+  if (consistency.requirement_case() != v1::Consistency::kAtLeast) {
+    const SceneFollower* follower = scene->follower();
+    const Status fresh = follower == nullptr ? Status() : follower->replica().fresh();
+    if (!fresh) return done(fresh.error());
+    return done(scene->snapshot());
+  }
   const auto token = RevisionToken::parse(consistency.at_least());
   if (!token) return done(token.error());
   if (token->incarnation != scene->token(0).incarnation) {
@@ -42,6 +47,18 @@ void RevisionWait::read(std::shared_ptr<StoredScene> scene, const v1::Consistenc
   scene_ = std::move(scene);
   done_ = std::move(done);
   wait(token->revision, deadline, bytes, caller);
+}
+
+/// A revision that is not there may have been made by another server.
+void RevisionWait::read_exactly(const std::shared_ptr<StoredScene>& scene, std::uint64_t revision,
+                                Done done) {
+  SceneFollower* const follower = scene->follower();
+  if (follower == nullptr || revision <= scene->snapshot()->revision())
+    return done(scene->at(revision));
+  follower->ask(compute_, [scene, revision, done = std::move(done)](const Status& read) {
+    if (!read && revision > scene->snapshot()->revision()) return done(read.error());
+    done(scene->at(revision));
+  });
 }
 
 void RevisionWait::wait(std::uint64_t revision, Deadline deadline, std::size_t bytes,
@@ -67,6 +84,8 @@ void RevisionWait::wait(std::uint64_t revision, Deadline deadline, std::size_t b
   });
   if (cancelled_.load()) end(cancelled());
   on_scene_event();
+  if (SceneFollower* const follower = scene_->follower(); follower != nullptr && waiting_.load())
+    follower->follow_soon(compute_);
 }
 
 Status RevisionWait::enter(std::size_t bytes, const exec::Caller& caller) {

@@ -40,10 +40,11 @@ class RevisionWait : public std::enable_shared_from_this<RevisionWait> {
   /// Calls done() once: in this call if the revision exists or the request is wrong, else later on
   /// a worker. A scene that is not loaded is loaded first. `consistency` outlives the wait. A
   /// request of `bytes` waits until the call's deadline, and at most kMaxReadWait.
+  /// What other servers have committed is read where the revision is not there.
   /// Errors: kInvalidArgument (no token of this scene), kOutOfRange (an exact revision that is not
-  /// kept or does not exist), as StoredScene::load, kUnavailable (not published in time, or the
-  /// server stops), kNotFound (the scene was removed meanwhile), kCancelled, kResourceExhausted
-  /// (too many reads wait).
+  /// kept or does not exist), as StoredScene::load, kUnavailable (not published in time, the
+  /// server stops, or as Replica::fresh() where the call names no revision), kNotFound (the scene
+  /// was removed meanwhile), kCancelled, kResourceExhausted (too many reads wait).
   void read(std::shared_ptr<StoredScene> scene, const v1::Consistency& consistency,
             Deadline deadline, std::size_t bytes, const exec::Caller& caller, Done done);
 
@@ -51,6 +52,7 @@ class RevisionWait : public std::enable_shared_from_this<RevisionWait> {
   void cancel();
 
  private:
+  void read_exactly(const std::shared_ptr<StoredScene>& scene, std::uint64_t revision, Done done);
   void wait(std::uint64_t revision, Deadline deadline, std::size_t bytes,
             const exec::Caller& caller);
   Status enter(std::size_t bytes, const exec::Caller& caller);

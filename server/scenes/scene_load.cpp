@@ -13,7 +13,8 @@ namespace sightline::server::scenes {
 /// Applies the batches to the base as they were applied first.
 class StoredScene::Loader final : public JournalReader {
  public:
-  explicit Loader(StoredScene& scene) : scene_(scene) {}
+  /// `again`: the scene is loaded, and what it has is replaced.
+  explicit Loader(StoredScene& scene, bool again = false) : scene_(scene), again_(again) {}
 
   Status base(scenegraph::SceneContent content) override {
     std::uint64_t names = 0;
@@ -25,6 +26,7 @@ class StoredScene::Loader final : public JournalReader {
         scene_.memory_.reclaim_and_charge(exec::Held::kNodes, bytes_of_scene(nodes, names));
     if (!charge) return charge.error();
     if (Status restored = scene_.scene_.restore(std::move(content)); !restored) return restored;
+    scene_.recent_.drop_all().clear();
     scene_.log_.begin_after(revision);
     scene_.name_bytes_ = names;
     scene_.nodes_ = std::move(*charge);
@@ -42,21 +44,17 @@ class StoredScene::Loader final : public JournalReader {
 
   Status answer(const std::string& request_id, std::uint64_t content,
                 const scenegraph::Applied& applied) override {
+    if (again_) return {};  // SceneFollower::look_up() reads what is asked for
     scene_.answers_.retain(scene_.answers_.prepare(request_id, content, applied));
     return {};
   }
 
   Status producer(const std::string& name, std::uint64_t last_committed,
                   std::vector<ProducerBatch> recent) override {
+    if (again_) return {};
     const auto producer = scene_.producers_.open(name);
     if (!producer) return producer.error();
-    (*producer)->put.reserve_more(recent.size());
-    for (ProducerBatch& batch : recent) {
-      const std::size_t bytes = batch.nodes.size() * sizeof(scenegraph::model::NodeId);
-      (*producer)->commit({batch.sequence, std::move(batch.nodes),
-                           scene_.memory_.record(exec::Held::kLogs, bytes)});
-    }
-    (*producer)->last_committed = last_committed;
+    scene_.set_progress(**producer, {last_committed, std::move(recent)});
     return {};
   }
 
@@ -69,7 +67,31 @@ class StoredScene::Loader final : public JournalReader {
   }
 
   StoredScene& scene_;
+  const bool again_;
 };
+
+void StoredScene::set_progress(Producer& producer, KeptProducer kept) {
+  producer.put.trim_to(0).clear();
+  producer.put.reserve_more(kept.recent.size());
+  for (ProducerBatch& batch : kept.recent) {
+    const std::size_t bytes = batch.nodes.size() * sizeof(scenegraph::model::NodeId);
+    producer.commit(
+        {batch.sequence, std::move(batch.nodes), memory_.record(exec::Held::kLogs, bytes)});
+  }
+  producer.last_committed = kept.last_committed;
+}
+
+Status StoredScene::read_on() {
+  Loader loader(*this);
+  return journal_->follow(scene_.snapshot()->revision(), loader);
+}
+
+Status StoredScene::read_again() {
+  Loader loader(*this, true);
+  Status read = journal_->load(loader);
+  events_.notify();
+  return read;
+}
 
 Status StoredScene::load(exec::Compute& compute) {
   if (loaded()) return {};

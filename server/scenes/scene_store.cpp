@@ -24,6 +24,7 @@ Status SceneStore::open() {
 
 Result<std::shared_ptr<StoredScene>> SceneStore::create(SceneInfo info) {
   const std::lock_guard changing(changing_);
+  if (const Status known = look_up_while_changing(info.name); !known) return known.error();
   if (const Status good = check_put(info.name, false); !good) return good.error();
   KeptScene kept;
   if (keeper_ != nullptr) {
@@ -59,7 +60,7 @@ Result<std::shared_ptr<StoredScene>> SceneStore::restore(const SceneInfo& info,
                  "NOT_DURABLE"};
   const std::lock_guard changing(changing_);
   if (const Status fits = check_put(info.name, true); !fits) return fits.error();
-  auto kept = keeper_->restore(info, state);
+  auto kept = keeper_->restore(info, state, true);
   if (!kept) return kept.error();
   auto scene = std::make_shared<StoredScene>(info, memory_, std::move(*kept));
   publish(scene);
@@ -69,10 +70,11 @@ Result<std::shared_ptr<StoredScene>> SceneStore::restore(const SceneInfo& info,
 Result<std::shared_ptr<StoredScene>> SceneStore::put(const std::shared_ptr<StoredScene>& draft,
                                                      bool replace) {
   const std::lock_guard changing(changing_);
+  if (const Status known = look_up_while_changing(draft->info().name); !known) return known.error();
   if (const Status fits = check_put(draft->info().name, replace); !fits) return fits.error();
   auto scene = draft;
   if (keeper_ != nullptr) {
-    auto kept = keeper_->restore(draft->info(), draft->state());
+    auto kept = keeper_->restore(draft->info(), draft->state(), replace);
     if (!kept) return kept.error();
     scene = std::make_shared<StoredScene>(draft->info(), memory_, std::move(*kept));
   }
@@ -99,6 +101,11 @@ Result<std::shared_ptr<StoredScene>> SceneStore::find(const std::string& name) c
 
 Result<std::shared_ptr<StoredScene>> SceneStore::get(const std::string& name) {
   auto scene = find(name);
+  // One that is not loaded was not followed: another server may have made another in its place.
+  if (!scene || (*scene)->removed() || !(*scene)->loaded()) {
+    if (const Status known = look_up(name); !known) return known.error();
+    scene = find(name);
+  }
   if (!scene || !(*scene)->failed()) return scene;
   // What could not be read may be readable now; what was read of it is dropped.
   auto fresh = std::make_shared<StoredScene>((*scene)->info(), memory_, (*scene)->kept());
@@ -128,6 +135,7 @@ ScenePage SceneStore::list(const std::string& project, const std::string& after,
 
 Status SceneStore::remove(const std::string& name) {
   const std::lock_guard changing(changing_);
+  if (Status known = look_up_while_changing(name); !known) return known;
   const auto removed = find(name);
   if (!removed) return removed.error();
   if (const auto journal = (*removed)->kept().journal; journal != nullptr) {

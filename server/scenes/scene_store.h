@@ -54,7 +54,8 @@ class SceneStore {
   /// draft must not be used any more. Waits for the disk. Errors: kAlreadyExists,
   /// kResourceExhausted, as SceneKeeper::restore.
   Result<std::shared_ptr<StoredScene>> put(const std::shared_ptr<StoredScene>& draft, bool replace);
-  /// The scene, which may not be loaded. Errors: kNotFound.
+  /// The scene, which may not be loaded. If it is not, the store is asked whether another server
+  /// has made or replaced it. Errors: kNotFound, as look_up().
   Result<std::shared_ptr<StoredScene>> get(const std::string& name);
   /// Whether a list shows the scene of this name. Must be short and call no member of the store.
   using Shown = std::function<bool(const std::string& name)>;
@@ -66,6 +67,19 @@ class SceneStore {
   /// kNotFound, as Journal::remove.
   Status remove(const std::string& name);
 
+  // Where other servers keep scenes in the same place; elsewhere these do nothing.
+
+  /// Asks which scene has this name now. Waits for the store. Errors: kUnavailable, where the store
+  /// is away; as SceneKeeper::find.
+  Status look_up(const std::string& name);
+  /// Takes a scene that another server has made, unless it is known, or older than the one of its
+  /// name, which is removed.
+  void adopt(SceneKeeper::Found found);
+  /// Removes a scene that another server has removed.
+  void forget(const std::shared_ptr<StoredScene>& scene);
+  /// All scenes, by number.
+  std::map<store::SceneId, std::shared_ptr<StoredScene>> by_number() const;
+
   /// StoredScene::retry_writes() of all scenes.
   void retry_writes() const;
   /// StoredScene::flush() of all scenes.
@@ -76,6 +90,9 @@ class SceneStore {
 
  private:
   Result<std::shared_ptr<StoredScene>> find(const std::string& name) const;
+  Status look_up_while_changing(const std::string& name);
+  void adopt_while_changing(SceneKeeper::Found found);
+  void forget_while_changing(const std::shared_ptr<StoredScene>& scene);
   void publish(const std::shared_ptr<StoredScene>& scene);
   Status check_number() const;
 

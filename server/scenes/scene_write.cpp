@@ -44,17 +44,24 @@ Result<scenegraph::Applied> StoredScene::apply(std::vector<scenegraph::model::Up
                                                exec::Compute& compute,
                                                const scenegraph::ApplyOptions& options,
                                                const SceneWrite& write) {
+  return try_apply(updates, compute, options, write);
+}
+
+Result<scenegraph::Applied> StoredScene::try_apply(std::vector<scenegraph::model::Update>& updates,
+                                                   exec::Compute& compute,
+                                                   const scenegraph::ApplyOptions& options,
+                                                   const SceneWrite& write) {
   if (const Status ready = begin_write(compute); !ready) return ready.error();
-  return apply_at_head(std::move(updates), options, write, line_ ? &*line_ : nullptr);
+  return apply_at_head(updates, options, write, line_ ? &*line_ : nullptr);
 }
 
 Result<scenegraph::Applied> StoredScene::replay(std::vector<scenegraph::model::Update> updates) {
-  return apply_at_head(std::move(updates), {}, {}, nullptr);
+  return apply_at_head(updates, {}, {}, nullptr);
 }
 
 /// Without a line, the revision is published at once.
 Result<scenegraph::Applied> StoredScene::apply_at_head(
-    std::vector<scenegraph::model::Update> updates, const scenegraph::ApplyOptions& options,
+    std::vector<scenegraph::model::Update>& updates, const scenegraph::ApplyOptions& options,
     const SceneWrite& write, WriteLine* line) {
   const auto before = scene_.head();
   const auto needed = needed_by(*before, updates);
@@ -72,7 +79,7 @@ Result<scenegraph::Applied> StoredScene::apply_at_head(
       JournalEntry entry = entry_of(write, next);
       entry.updates = journal_->encode(updates, next.nodes);
       entry.mesh_digests = mesh_digests(updates);
-      item = line->prepare(line_write(std::move(entry), write, publication));
+      item = line->prepare(line_write(std::move(entry), options, write, publication));
     }
     prepare_publication(*publication, *before, write, next, updates);
     if (options.before_publish) options.before_publish(next);
@@ -90,6 +97,11 @@ Result<scenegraph::Applied> StoredScene::apply_at_head(
 
 Status StoredScene::record_rejected(exec::Compute& compute, const SceneWrite& write) {
   if (Status ready = begin_write(compute); !ready) return ready;
+  reject_at_head(write);
+  return {};
+}
+
+void StoredScene::reject_at_head(const SceneWrite& write) {
   auto publication = std::make_shared<Publication>();
   publication->revises = false;
   scenegraph::Applied next;  // as if it made the next revision
@@ -98,10 +110,9 @@ Status StoredScene::record_rejected(exec::Compute& compute, const SceneWrite& wr
   WriteLine* const line = line_ ? &*line_ : nullptr;
   WriteLine::Prepared item;
   if (line != nullptr) {
-    item = line->prepare(line_write(entry_of(write, next), write, publication));
+    item = line->prepare(line_write(entry_of(write, next), {}, write, publication));
   }
   finish_write(line, std::move(item), *publication, write);
-  return {};
 }
 
 Status StoredScene::begin_write(exec::Compute& compute) {
@@ -123,12 +134,23 @@ JournalEntry StoredScene::entry_of(const SceneWrite& write, const scenegraph::Ap
   return entry;
 }
 
-WriteLine::Write StoredScene::line_write(JournalEntry entry, const SceneWrite& write,
+WriteLine::Write StoredScene::line_write(JournalEntry entry,
+                                         const scenegraph::ApplyOptions& options,
+                                         const SceneWrite& write,
                                          const std::shared_ptr<Publication>& publication) {
-  return {.entry = std::move(entry),
-          .relaxed = write.relaxed,
-          .publish = [this, publication] { publish(*publication); },
-          .answer = write.answer};
+  WriteLine::Write line_write{.entry = std::move(entry),
+                              .relaxed = write.relaxed && !follower_,
+                              .publish = [this, publication] { publish(*publication); },
+                              .answer = write.answer};
+  if (follower_) {
+    SceneWrite again = write;
+    again.answer = nullptr;
+    line_write.again = [this, options, again = std::move(again)](const JournalEntry& lost,
+                                                                 const WriteLine::Answer& answer) {
+      return write_again(lost, options, again, answer);
+    };
+  }
+  return line_write;
 }
 
 void StoredScene::prepare_publication(Publication& publication,

@@ -57,6 +57,18 @@ struct Services {
     return scenes.get(scene);
   }
 
+  /// As find(), for a read. A token of another scene of this name may be of one that another server
+  /// has made in its place: then that is found.
+  Result<std::shared_ptr<StoredScene>> find_for_read(const std::string& name,
+                                                     const v1::Consistency& consistency) const {
+    auto scene = find(name);
+    if (!scene || consistency.requirement_case() != v1::Consistency::kAtLeast) return scene;
+    const auto token = RevisionToken::parse(consistency.at_least());
+    if (!token || token->incarnation == (*scene)->token(0).incarnation) return scene;
+    if (const Status known = scenes.look_up(name); !known) return known.error();
+    return scenes.get(name);
+  }
+
   /// As find(), and loads it, which may take long. Errors: as StoredScene::load, too.
   Result<std::shared_ptr<StoredScene>> find_loaded(const std::string& name) const {
     auto scene = find(name);

@@ -44,15 +44,31 @@ StoredScene::StoredScene(SceneInfo info, exec::MemoryAccount& memory, KeptScene 
     : memory_(memory),
       info_(std::move(info)),
       incarnation_(kept.incarnation),
+      number_(kept.number),
       journal_(std::move(kept.journal)),
       nodes_(memory.record(exec::Held::kNodes, bytes_of_scene(0, 0))),
       unread_(kept.unread),
       loaded_(!kept.unread) {
   if (journal_ == nullptr) return;
-  line_.emplace(WriteLine::Parts{.journal = *journal_,
-                                 .roll_back = [this] { scene_.drop_unpublished(); },
-                                 .noted = [this] { settle_soon(); },
-                                 .owner = [this] { return shared_from_this(); }});
+  WriteLine::Parts parts{.journal = *journal_,
+                         .roll_back = [this] { scene_.drop_unpublished(); },
+                         .noted = [this] { settle_soon(); },
+                         .owner = [this] { return shared_from_this(); }};
+  if (kept.replica != nullptr) {
+    follower_.emplace(*this, std::move(kept.replica));
+    parts.catch_up = [this] { return follower_->catch_up(); };
+  }
+  line_.emplace(std::move(parts));
+}
+
+KeptScene StoredScene::kept() const {
+  return {journal_, incarnation_, unread(), number_,
+          follower_ ? follower_->shared_replica() : nullptr};
+}
+
+std::optional<std::uint64_t> StoredScene::unread() const {
+  if (loaded() || !follower_) return loaded() ? std::nullopt : unread_;
+  return std::max(*unread_, follower_->noted());
 }
 
 std::uint64_t StoredScene::tree_bytes() const {

@@ -21,6 +21,7 @@
 #include "server/scenes/journal.h"
 #include "server/scenes/names.h"
 #include "server/scenes/scene_events.h"
+#include "server/scenes/scene_follower.h"
 #include "server/scenes/scene_info.h"
 #include "server/scenes/write_line.h"
 
@@ -36,10 +37,20 @@ struct SceneWrite {
   Producer* producer = nullptr;      ///< Of this scene. Null: none.
   std::uint64_t first_sequence = 0;  ///< Of the producer's batches that make this one.
   std::uint64_t batches = 1;
-  bool relaxed = false;  ///< Answer before it is committed.
+  /// Answer before it is committed. Not for scenes to which other servers write.
+  bool relaxed = false;
   /// Called once, on the write queue, after the batch is published or dropped; perhaps before the
   /// write returns. May be empty.
   WriteLine::Answer answer = {};
+
+  // Where other servers write to the scene and have committed first, the batch is applied again:
+  // ApplyOptions::before_publish is called again, or one of these, before the write is answered.
+
+  /// The batch of a producer is now invalid: it is recorded as rejected.
+  std::function<void(const Error&)> rejected = {};
+  /// The batch is kept, as another server has got it, too.
+  std::function<void(const scenegraph::Applied& earlier)> repeated = {};
+  int tries = 0;  ///< So far.
 };
 
 /// A scene that clients can name. Must be made by std::make_shared. The members for writes may only
@@ -60,9 +71,12 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   bool failed() const { return failed_.load(std::memory_order_acquire); }
 
   const SceneInfo& info() const { return info_; }
-  KeptScene kept() const { return {journal_, incarnation_, unread_}; }
-  /// The newest revision of a scene that is not loaded. Threads: any.
-  std::optional<std::uint64_t> unread() const { return loaded() ? std::nullopt : unread_; }
+  KeptScene kept() const;
+  store::SceneId number() const { return number_; }
+  /// The newest revision that is known of a scene that is not loaded. Threads: any.
+  std::optional<std::uint64_t> unread() const;
+  /// Null if no other server writes to the scene.
+  SceneFollower* follower() { return follower_ ? &*follower_ : nullptr; }
   /// Whether the scene is kept beyond the process.
   bool is_kept() const { return journal_ != nullptr; }
   RevisionToken token(std::uint64_t revision) const { return {incarnation_, revision}; }
@@ -92,6 +106,11 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
                                     exec::Compute& compute,
                                     const scenegraph::ApplyOptions& options = {},
                                     const SceneWrite& write = {});
+  /// As apply(), but `updates` are taken only if they are applied.
+  Result<scenegraph::Applied> try_apply(std::vector<scenegraph::model::Update>& updates,
+                                        exec::Compute& compute,
+                                        const scenegraph::ApplyOptions& options,
+                                        const SceneWrite& write);
   /// Records that a producer's batch was rejected: it counts, and makes no revision. Errors: as
   /// apply().
   Status record_rejected(exec::Compute& compute, const SceneWrite& write);
@@ -150,15 +169,26 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   };
   struct Publication;
   class Loader;
+  friend class SceneFollower;
 
   Status begin_write(exec::Compute& compute);
-  Result<scenegraph::Applied> apply_at_head(std::vector<scenegraph::model::Update> updates,
+  Result<scenegraph::Applied> apply_at_head(std::vector<scenegraph::model::Update>& updates,
                                             const scenegraph::ApplyOptions& options,
                                             const SceneWrite& write, WriteLine* line);
+  void reject_at_head(const SceneWrite& write);
   /// Applies a batch that the journal has.
   Result<scenegraph::Applied> replay(std::vector<scenegraph::model::Update> updates);
+  /// Publishes what the journal has after the newest revision. Errors: as Journal::follow.
+  Status read_on();
+  /// Begins anew at what the journal has. Errors: as Journal::load.
+  Status read_again();
+  void set_progress(Producer& producer, KeptProducer kept);
+  Status write_again(const JournalEntry& entry, const scenegraph::ApplyOptions& options,
+                     const SceneWrite& write, const WriteLine::Answer& answer);
+  Result<bool> find_repeat(const SceneWrite& write, const WriteLine::Answer& answer);
   static JournalEntry entry_of(const SceneWrite& write, const scenegraph::Applied& next);
-  WriteLine::Write line_write(JournalEntry entry, const SceneWrite& write,
+  WriteLine::Write line_write(JournalEntry entry, const scenegraph::ApplyOptions& options,
+                              const SceneWrite& write,
                               const std::shared_ptr<Publication>& publication);
   void prepare_publication(Publication& publication, const scenegraph::revision::Snapshot& before,
                            const SceneWrite& write, const scenegraph::Applied& next,
@@ -184,7 +214,9 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   exec::MemoryAccount& memory_;
   const SceneInfo info_;
   const std::uint64_t incarnation_;
+  const store::SceneId number_;
   const std::shared_ptr<Journal> journal_;
+  std::optional<SceneFollower> follower_;         // where other servers write to the journal
   std::optional<WriteLine> line_;                 // with a journal; used on the write queue
   std::atomic<bool> settling_{false};             // a task is posted to settle the line
   std::atomic<exec::Compute*> compute_{nullptr};  // of the last write

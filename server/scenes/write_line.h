@@ -22,6 +22,9 @@ namespace sightline::server::scenes {
 /// appended again; until they are committed, relaxed writes wait for their commit, too. Used on the
 /// scene's write queue, except for note().
 ///
+/// Where other servers write to the journal, a write that they have forestalled is made again on
+/// top of what they have committed.
+///
 /// A write on top of a revision that could not be kept is refused by the journal. One behind a
 /// write that makes no revision would not be: it is appended when the commit of that one is known.
 class WriteLine {
@@ -34,6 +37,9 @@ class WriteLine {
     bool relaxed = false;
     std::function<void()> publish;  ///< Shows it to readers. Does not throw.
     Answer answer;                  ///< May be empty. Does not throw.
+    /// Makes the write again, when others have committed first: adds it anew with this answer, or
+    /// answers it. On an error it has done neither. Empty: it is answered with the error.
+    std::function<Status(const JournalEntry& lost, const Answer& answer)> again = {};
   };
   class Item;
   /// At most one item: an entry of the line's list, made in advance.
@@ -44,6 +50,8 @@ class WriteLine {
     std::function<void()> roll_back;  ///< Drops what is applied and not published.
     std::function<void()> noted;      ///< Called on any thread: settle() should be called.
     std::function<std::shared_ptr<const void>()> owner;  ///< What keeps the line alive.
+    /// Publishes what others have committed, before writes are made again. Empty: there are none.
+    std::function<Status()> catch_up = {};
   };
   explicit WriteLine(Parts parts) : parts_(std::move(parts)) {}
 
@@ -81,6 +89,7 @@ class WriteLine {
   enum class Outcome : std::uint8_t { kUnknown, kCommitted, kFailed };
   Outcome outcome(const Item& item) const;
   void fail();
+  void make_again(const Prepared& lost);
 
   const Parts parts_;
   Prepared items_;                 // published ones first, those that are not appended last

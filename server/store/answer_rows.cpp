@@ -27,6 +27,15 @@ Result<Kept> find_kept(Database& database, SceneId scene) {
   return kept;
 }
 
+Status read_answer(Database& database, SceneId scene, const Row& row,
+                   std::vector<RequestAnswer>& into) {
+  auto nodes = decode_ids(row.bytes(3));
+  if (!nodes)
+    return database.corrupt(fmt::format("an answer of the scene with the number {}", scene));
+  into.push_back({row.text(0), row.unsigned_number(1), row.unsigned_number(2), std::move(*nodes)});
+  return {};
+}
+
 /// Drops the oldest answers until the limits hold, but never the newest.
 Status trim(Database& database, SceneId scene, Kept& kept, const StoreLimits& limits) {
   while (kept.answers > 1 && (kept.answers > limits.answers || kept.nodes > limits.answer_nodes)) {
@@ -76,18 +85,22 @@ Result<std::vector<RequestAnswer>> read_answers(Database& database, SceneId scen
   std::vector<RequestAnswer> answers;
   const Status read = database.each(
       "SELECT request_id, content, revision, nodes FROM answer WHERE scene = ? ORDER BY id",
-      [&](const Row& row) -> Status {
-        auto nodes = decode_ids(row.bytes(3));
-        if (!nodes) {
-          return database.corrupt(fmt::format("an answer of the scene with the number {}", scene));
-        }
-        answers.push_back(
-            {row.text(0), row.unsigned_number(1), row.unsigned_number(2), std::move(*nodes)});
-        return {};
-      },
-      scene);
+      [&](const Row& row) { return read_answer(database, scene, row, answers); }, scene);
   if (!read) return read.error();
   return answers;
+}
+
+Result<std::optional<RequestAnswer>> find_answer(Database& database, SceneId scene,
+                                                 const std::string& request_id) {
+  std::vector<RequestAnswer> answers;
+  const Status read = database.each(
+      "SELECT request_id, content, revision, nodes FROM answer "
+      "WHERE scene = ? AND request_id = ?",
+      [&](const Row& row) { return read_answer(database, scene, row, answers); }, scene,
+      request_id);
+  if (!read) return read.error();
+  if (answers.empty()) return std::optional<RequestAnswer>();
+  return std::optional(std::move(answers.front()));
 }
 
 }  // namespace sightline::server::store

@@ -1,6 +1,8 @@
 // The table of answers to requests with a request id.
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "accel/result.h"
@@ -16,5 +18,8 @@ Status insert_answer(Database& database, SceneId scene, const RequestAnswer& ans
                      const StoreLimits& limits);
 /// Oldest first. Errors: also kDataLoss.
 Result<std::vector<RequestAnswer>> read_answers(Database& database, SceneId scene);
+/// Nothing: it is not kept. Errors: also kDataLoss.
+Result<std::optional<RequestAnswer>> find_answer(Database& database, SceneId scene,
+                                                 const std::string& request_id);
 
 }  // namespace sightline::server::store

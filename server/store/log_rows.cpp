@@ -78,6 +78,11 @@ Status insert_batch(Database& database, const Batch& batch, const StoreLimits& l
                     std::chrono::system_clock::time_point now) {
   const auto head = find_head(database, batch.scene);
   if (!head) return head.error();
+  if (batch.after != nullptr && !batch.after->kept) {
+    return Error{Code::kAborted,
+                 fmt::format("revision {}, on which it builds, is not kept", batch.expected),
+                 "REVISION_MISMATCH"};
+  }
   if (head->revision != batch.expected) {
     return Error{
         Code::kAborted,

@@ -25,6 +25,22 @@ Status insert_put(Database& database, SceneId scene, const ProducerCommit& commi
       scene, commit.producer, limits.puts, limits.put_nodes);
 }
 
+/// Rows of one producer follow each other.
+Status read_producer(Database& database, SceneId scene, const Row& row,
+                     std::vector<ProducerRecord>& into) {
+  std::string name = row.text(0);
+  if (into.empty() || into.back().name != name) into.push_back({name, row.unsigned_number(1), {}});
+  const std::uint64_t sequence = row.unsigned_number(2);
+  if (sequence == 0) return {};  // it has put no nodes
+  auto nodes = decode_ids(row.bytes(3));
+  if (!nodes) {
+    return database.corrupt(
+        fmt::format("the producer {} of the scene with the number {}", name, scene));
+  }
+  into.back().recent.push_back({std::move(name), sequence, std::move(*nodes)});
+  return {};
+}
+
 }  // namespace
 
 Status insert_commit(Database& database, SceneId scene, const ProducerCommit& commit,
@@ -51,25 +67,22 @@ Result<std::vector<ProducerRecord>> read_producers(Database& database, SceneId s
       "SELECT name, last_committed, sequence, nodes FROM producer LEFT JOIN put "
       "ON put.scene = producer.scene AND put.producer = producer.name "
       "WHERE producer.scene = ? ORDER BY name, sequence",
-      [&](const Row& row) -> Status {
-        std::string name = row.text(0);
-        if (producers.empty() || producers.back().name != name)
-          producers.push_back({name, row.unsigned_number(1), {}});
-        const std::uint64_t sequence = row.unsigned_number(2);
-        if (sequence == 0) return {};  // it has put no nodes
-        auto nodes = decode_ids(row.bytes(3));
-        if (!nodes) {
-          return database.corrupt(
-              fmt::format("the producer {} of the scene with the "
-                          "number {}",
-                          name, scene));
-        }
-        producers.back().recent.push_back({std::move(name), sequence, std::move(*nodes)});
-        return {};
-      },
-      scene);
+      [&](const Row& row) { return read_producer(database, scene, row, producers); }, scene);
   if (!read) return read.error();
   return producers;
+}
+
+Result<std::optional<ProducerRecord>> find_producer(Database& database, SceneId scene,
+                                                    const std::string& name) {
+  std::vector<ProducerRecord> producers;
+  const Status read = database.each(
+      "SELECT name, last_committed, sequence, nodes FROM producer LEFT JOIN put "
+      "ON put.scene = producer.scene AND put.producer = producer.name "
+      "WHERE producer.scene = ? AND producer.name = ? ORDER BY sequence",
+      [&](const Row& row) { return read_producer(database, scene, row, producers); }, scene, name);
+  if (!read) return read.error();
+  if (producers.empty()) return std::optional<ProducerRecord>();
+  return std::optional(std::move(producers.front()));
 }
 
 }  // namespace sightline::server::store

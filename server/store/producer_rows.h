@@ -1,6 +1,8 @@
 // The tables of producers and of the nodes that their last batches put.
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "accel/result.h"
@@ -17,5 +19,8 @@ Status insert_commit(Database& database, SceneId scene, const ProducerCommit& co
                      const StoreLimits& limits);
 /// By name. Errors: also kDataLoss.
 Result<std::vector<ProducerRecord>> read_producers(Database& database, SceneId scene);
+/// Nothing: it has committed nothing. Errors: also kDataLoss.
+Result<std::optional<ProducerRecord>> find_producer(Database& database, SceneId scene,
+                                                    const std::string& name);
 
 }  // namespace sightline::server::store

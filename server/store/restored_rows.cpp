@@ -1,6 +1,11 @@
 // The rows of a scene that is restored.
 #include "server/store/restored_rows.h"
 
+#include <optional>
+#include <string>
+
+#include "server/store/scene_rows.h"
+
 namespace sightline::server::store {
 
 Result<RestoredScene> begin_restored(Database& database, const SceneInfo& info,
@@ -19,7 +24,19 @@ Result<RestoredScene> begin_restored(Database& database, const SceneInfo& info,
 }
 
 /// There is no snapshot of revision 0: the log begins there.
-Status publish_restored(Database& database, const RestoredScene& restored) {
+Status publish_restored(Database& database, const RestoredScene& restored, bool replace) {
+  if (!replace) {
+    std::optional<std::string> other;
+    const Status read = database.each(
+        "SELECT name FROM scene WHERE removed = 0 AND name = (SELECT name FROM scene WHERE id = ?)",
+        [&](const Row& row) {
+          other = row.text(0);
+          return Status();
+        },
+        restored.scene);
+    if (!read) return read;
+    if (other) return scene_exists(*other);
+  }
   Status done = database.execute(
       "UPDATE scene SET removed = 1, garbage = 1 WHERE removed = 0 AND name = "
       "(SELECT name FROM scene WHERE id = ?)",

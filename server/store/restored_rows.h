@@ -18,8 +18,8 @@ struct RestoredScene {
 /// Database::error().
 Result<RestoredScene> begin_restored(Database& database, const SceneInfo& info,
                                      std::uint64_t revision);
-/// After the snapshot is written: the scene of this name, if there is one, is removed, and this one
-/// is there. Errors: as Database.
-Status publish_restored(Database& database, const RestoredScene& restored);
+/// After the snapshot is written: this scene is there, and the one of its name, if there is one, is
+/// removed, or is the error if it may not be replaced. Errors: as Database, kAlreadyExists.
+Status publish_restored(Database& database, const RestoredScene& restored, bool replace);
 
 }  // namespace sightline::server::store

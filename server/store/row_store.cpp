@@ -49,7 +49,7 @@ Result<SceneId> RowStore::create_scene(const SceneInfo& info) {
 
 Result<SceneId> RowStore::restore_scene(const SceneInfo& info, std::uint64_t revision,
                                         const std::vector<blobs::BlobDigest>& blobs,
-                                        const NextChunk& next) {
+                                        const NextChunk& next, bool replace) {
   RestoredScene restored;
   if (const Status fits = admit(info.name.size()); !fits) return fits.error();
   Status done = writer_.perform(0, [&](Database& database) -> Status {
@@ -62,8 +62,10 @@ Result<SceneId> RowStore::restore_scene(const SceneInfo& info, std::uint64_t rev
   done = write_snapshot(restored.snapshot, blobs, next);
   if (done) {
     done = writer_.perform(
-        0, [&](Database& database) { return publish_restored(database, restored); });
+        0, [&](Database& database) { return publish_restored(database, restored, replace); });
   }
+  // Another process has published a scene of this name at the same time.
+  if (!done && done.error().reason == "CONSTRAINT") done = scene_exists(info.name);
   if (!done) {
     drop_snapshot(restored.snapshot);
     return done.error();
@@ -82,19 +84,33 @@ Status RowStore::remove_scene(SceneId scene) {
 Result<std::vector<SceneRecord>> RowStore::scenes() { return reader_(all_scenes); }
 
 Result<SceneRecord> RowStore::scene(SceneId scene) {
-  return reader_([&](Database& database) { return find_scene(database, scene); });
+  return reader_([&](Database& database) { return store::find_scene(database, scene); });
 }
+
+Result<std::optional<SceneRecord>> RowStore::find_scene(const std::string& name) {
+  return reader_([&](Database& database) { return find_scene_named(database, name); });
+}
+
+Result<std::vector<SceneHead>> RowStore::heads() { return reader_(all_heads); }
 
 Status RowStore::append(Batch batch, Done done) {
   const std::uint64_t bytes = bytes_of(batch);
   const SceneId scene = batch.scene;
+  const std::shared_ptr<Fate> fate =
+      batch.fate == nullptr ? std::make_shared<Fate>() : std::move(batch.fate);
   return writer_.submit(
       scene,
-      [batch = std::make_shared<const Batch>(std::move(batch)),
+      [batch = std::make_shared<const Batch>(std::move(batch)), fate,
        &limits = limits_](Database& database) {
-        return insert_batch(database, *batch, limits, std::chrono::system_clock::now());
+        Status inserted = insert_batch(database, *batch, limits, std::chrono::system_clock::now());
+        fate->kept = inserted.ok();  // for those after it in the transaction
+        return inserted;
       },
-      std::move(done), bytes);
+      [fate, done = std::move(done)](const Status& committed) {
+        fate->kept = committed.ok();
+        done(committed);
+      },
+      bytes);
 }
 
 void RowStore::flush() { writer_.flush(); }
@@ -107,7 +123,7 @@ Result<std::vector<LoggedBatch>> RowStore::read(SceneId scene, std::uint64_t aft
 
 Result<std::vector<blobs::BlobDigest>> RowStore::blobs_of(SceneId scene) {
   return reader_([&](Database& database) -> Result<std::vector<blobs::BlobDigest>> {
-    const auto record = find_scene(database, scene);
+    const auto record = store::find_scene(database, scene);
     if (!record) return record.error();
     return blobs_named_by(database, scene, record->base);
   });
@@ -117,8 +133,17 @@ Result<std::vector<RequestAnswer>> RowStore::answers(SceneId scene) {
   return reader_([&](Database& database) { return read_answers(database, scene); });
 }
 
+Result<std::optional<RequestAnswer>> RowStore::answer(SceneId scene,
+                                                      const std::string& request_id) {
+  return reader_([&](Database& database) { return find_answer(database, scene, request_id); });
+}
+
 Result<std::vector<ProducerRecord>> RowStore::producers(SceneId scene) {
   return reader_([&](Database& database) { return read_producers(database, scene); });
+}
+
+Result<std::optional<ProducerRecord>> RowStore::producer(SceneId scene, const std::string& name) {
+  return reader_([&](Database& database) { return find_producer(database, scene, name); });
 }
 
 Status RowStore::put_snapshot(SceneId scene, std::uint64_t revision,

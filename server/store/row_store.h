@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,11 +18,13 @@ class RowStore : public Store {
  public:
   Result<SceneId> create_scene(const SceneInfo& info) override;
   Result<SceneId> restore_scene(const SceneInfo& info, std::uint64_t revision,
-                                const std::vector<blobs::BlobDigest>& blobs,
-                                const NextChunk& next) override;
+                                const std::vector<blobs::BlobDigest>& blobs, const NextChunk& next,
+                                bool replace) override;
   Status remove_scene(SceneId scene) override;
   Result<std::vector<SceneRecord>> scenes() override;
   Result<SceneRecord> scene(SceneId scene) override;
+  Result<std::optional<SceneRecord>> find_scene(const std::string& name) override;
+  Result<std::vector<SceneHead>> heads() override;
 
   Status append(Batch batch, Done done) override;
   void flush() override;
@@ -29,7 +32,10 @@ class RowStore : public Store {
                                         std::uint64_t max_bytes) override;
   Result<std::vector<blobs::BlobDigest>> blobs_of(SceneId scene) override;
   Result<std::vector<RequestAnswer>> answers(SceneId scene) override;
+  Result<std::optional<RequestAnswer>> answer(SceneId scene,
+                                              const std::string& request_id) override;
   Result<std::vector<ProducerRecord>> producers(SceneId scene) override;
+  Result<std::optional<ProducerRecord>> producer(SceneId scene, const std::string& name) override;
 
   Status put_snapshot(SceneId scene, std::uint64_t revision,
                       const std::vector<blobs::BlobDigest>& blobs, const NextChunk& next) override;

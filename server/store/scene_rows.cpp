@@ -23,6 +23,10 @@ SceneRecord read_record(const Row& row) {
 
 }  // namespace
 
+Error scene_exists(const std::string& name) {
+  return {Code::kAlreadyExists, fmt::format("the scene {} exists", name), "SCENE_EXISTS"};
+}
+
 Error no_scene(SceneId scene) {
   return {Code::kNotFound, fmt::format("the scene with the number {} is not stored", scene),
           "SCENE_NOT_FOUND"};
@@ -35,7 +39,7 @@ Result<SceneId> insert_scene(Database& database, const SceneInfo& info) {
       info.name, info.incarnation, static_cast<std::int64_t>(info.up_axis), info.meters_per_unit);
   if (!id) return id.error();
   if (*id) return **id;
-  return Error{Code::kAlreadyExists, fmt::format("the scene {} exists", info.name), "SCENE_EXISTS"};
+  return scene_exists(info.name);
 }
 
 Result<SceneRecord> find_scene(Database& database, SceneId scene) {
@@ -59,6 +63,26 @@ Result<SceneRecord> find_scene(Database& database, SceneId scene) {
       scene);
   if (!read) return read.error();
   return std::move(found.front());
+}
+
+Result<std::optional<SceneRecord>> find_scene_named(Database& database, const std::string& name) {
+  const auto id = database.number("SELECT id FROM scene WHERE name = ? AND removed = 0", name);
+  if (!id) return id.error();
+  if (!*id) return std::optional<SceneRecord>();
+  auto record = find_scene(database, **id);
+  if (!record) return record.error();
+  return std::optional(std::move(*record));
+}
+
+Result<std::vector<SceneHead>> all_heads(Database& database) {
+  std::vector<SceneHead> heads;
+  const Status read = database.each("SELECT id, revision FROM scene WHERE removed = 0 ORDER BY id",
+                                    [&](const Row& row) {
+                                      heads.push_back({row.number(0), row.unsigned_number(1)});
+                                      return Status();
+                                    });
+  if (!read) return read.error();
+  return heads;
 }
 
 Result<std::vector<SceneRecord>> all_scenes(Database& database) {

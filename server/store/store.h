@@ -1,6 +1,7 @@
 // What a server keeps of its scenes and meshes beyond its own life: one interface for every engine.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -66,6 +67,11 @@ struct ProducerRecord {
   std::vector<ProducerCommit> recent;  ///< Ascending in sequence; StoreLimits bounds them.
 };
 
+/// Whether a batch is kept. The store sets it before it calls `done`; until then it may change.
+struct Fate {
+  std::atomic<bool> kept{false};
+};
+
 /// What is committed as one: wholly or not at all.
 struct Batch {
   SceneId scene = 0;
@@ -77,6 +83,16 @@ struct Batch {
   std::vector<blobs::BlobDigest> blobs;  ///< That the updates name; they must be stored.
   std::optional<RequestAnswer> answer;
   std::vector<ProducerCommit> commits;  ///< In order; ascending sequences of each producer.
+  std::shared_ptr<Fate> fate = {};      ///< Of this batch. Null: no batch names it.
+  /// Of the batch before it, if that was appended and is not done: if it is not kept, this one is
+  /// not either, even if another process has made the revision `expected`.
+  std::shared_ptr<const Fate> after = {};
+};
+
+/// The newest revision of a scene.
+struct SceneHead {
+  SceneId id = 0;
+  std::uint64_t revision = 0;
 };
 
 /// A revision in the log.
@@ -143,12 +159,12 @@ class Store {
   /// Errors: kAlreadyExists, kResourceExhausted.
   virtual Result<SceneId> create_scene(const SceneInfo& info) = 0;
   /// Creates a scene whose log begins after `revision`, with what put_snapshot() would store as its
-  /// base (none for revision 0), in place of the scene of this name, if there is one: until it
-  /// returns, that one stays. If it fails, nothing has changed. Errors: kResourceExhausted,
-  /// kFailedPrecondition (BLOB_NOT_STORED), those of `next`.
+  /// base (none for revision 0); with `replace` in place of the scene of this name, if there is
+  /// one: until it returns, that one stays. If it fails, nothing has changed. Errors:
+  /// kAlreadyExists, kResourceExhausted, kFailedPrecondition (BLOB_NOT_STORED), those of `next`.
   virtual Result<SceneId> restore_scene(const SceneInfo& info, std::uint64_t revision,
                                         const std::vector<blobs::BlobDigest>& blobs,
-                                        const NextChunk& next) = 0;
+                                        const NextChunk& next, bool replace) = 0;
   /// Removes the scene with its log, answers, producers and snapshots. Batches that are in flight
   /// end first. Errors: kNotFound.
   virtual Status remove_scene(SceneId scene) = 0;
@@ -156,6 +172,10 @@ class Store {
   virtual Result<std::vector<SceneRecord>> scenes() = 0;
   /// Errors: kNotFound.
   virtual Result<SceneRecord> scene(SceneId scene) = 0;
+  /// The scene of this name; nothing: there is none.
+  virtual Result<std::optional<SceneRecord>> find_scene(const std::string& name) = 0;
+  /// The newest revisions of all scenes, by id.
+  virtual Result<std::vector<SceneHead>> heads() = 0;
 
   // --- The update log.
 
@@ -187,8 +207,14 @@ class Store {
 
   /// The last answers, oldest first, as many as StoreLimits keeps.
   virtual Result<std::vector<RequestAnswer>> answers(SceneId scene) = 0;
+  /// The answer to the request of this id, if it is kept.
+  virtual Result<std::optional<RequestAnswer>> answer(SceneId scene,
+                                                      const std::string& request_id) = 0;
   /// All producers, by name.
   virtual Result<std::vector<ProducerRecord>> producers(SceneId scene) = 0;
+  /// The producer of this name, if it has committed anything.
+  virtual Result<std::optional<ProducerRecord>> producer(SceneId scene,
+                                                         const std::string& name) = 0;
 
   // --- Snapshots: a scene at a revision, in a form that the store does not read.
 
@@ -243,9 +269,11 @@ class Store {
   using Changed = std::function<void(std::span<const SceneId> scenes)>;
 
   /// From now on calls `changed`, on a thread of the store, soon after another process has
-  /// committed, and at least every kWatchEvery while the store can be reached. Call it once. Must
-  /// not throw.
+  /// committed, and for all scenes about every kWatchEvery while the store can be reached. Call it
+  /// once. Must not throw.
   virtual void watch(const Changed& /*changed*/) {}
+  /// When it returns, `changed` is not running and will not be called.
+  virtual void unwatch() {}
 };
 
 /// How late a commit of another process is noticed if its notice is lost.

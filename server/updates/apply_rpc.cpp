@@ -14,6 +14,7 @@
 
 #include "server/blobs/digest.h"
 #include "server/exec/rpc_status.h"
+#include "server/scenes/write_errors.h"
 #include "server/updates/producer_messages.h"
 #include "server/updates/update_codec.h"
 
@@ -57,20 +58,21 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
     auto ticket = services_.admission.admit(caller_, 0, request_.SpaceUsedLong());
     if (!ticket) return end(ticket.error());
     ticket_ = std::move(*ticket);
-    services_.compute.enqueue_update([this] {
-      if (const Status ready = exec::to_status([this] { return prepare(); }); !ready)
-        return end(ready);
-      scene_->write_queue().post(services_.compute, [this] {
-        const Status begun = exec::to_status([this] { return apply(); });
-        if (!begun) end(begun);  // else answered() ends the call, perhaps already
-      });
-    });
+    begin();
   }
 
   void OnCancel() override { cancelled_.store(true, std::memory_order_relaxed); }
   void OnDone() override { delete this; }
 
  private:
+  void begin() {
+    services_.compute.enqueue_update([this] {
+      if (const Status ready = exec::to_status([this] { return prepare(); }); !ready)
+        return end(ready);
+      scene_->write_queue().post(services_.compute, [this] { run(); });
+    });
+  }
+
   Status prepare() {
     auto scene = services_.find(request_.scene());
     if (!scene) return scene.error();
@@ -81,6 +83,37 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
     updates_.emplace(decode_updates(request_.updates(), services_.blobs));
     if (!request_.request_id().empty()) content_ = digest_of(request_.SerializeAsString());
     return {};
+  }
+
+  /// On the write queue.
+  void run() {
+    const Status begun = exec::to_status([this] { return apply(); });
+    if (!begun) not_applied(begun);  // else answered() ends the call, perhaps already
+  }
+
+  /// Where other servers write, too, the request is refused only once it is known what they have
+  /// committed, and that none of them has got it before.
+  void not_applied(const Status& why) {
+    scenes::SceneFollower* const follower = scene_->follower();
+    if (follower == nullptr || scene_->removed() || caught_up_ ||
+        scenes::says_nothing_of_the_batch(why.error()))
+      return refuse(why);
+    caught_up_ = true;
+    follower->when_caught_up(services_.compute, [this, follower](const Status& read) {
+      const std::string& id = request_.request_id();
+      const Status known =
+          exec::to_status([&] { return !read || id.empty() ? read : follower->look_up(id); });
+      if (!known) return refuse(known);
+      run();
+    });
+  }
+
+  /// Another server may have made another scene in place of this one: asks once.
+  void refuse(const Status& why) {
+    const bool gone = scene_->follower() != nullptr && scene_->removed();
+    if (!gone || std::exchange(looked_up_, true)) return end(why);
+    caught_up_ = false;
+    begin();
   }
 
   Status apply() {
@@ -102,19 +135,23 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
     }
     if (!*updates_) return updates_->error();
     const auto encode = [this](const scenegraph::Applied& next) { encode_applied(next); };
-    auto updates = std::move(**updates_);
-    const auto applied = scene->apply(
-        std::move(updates), services_.compute,
+    const auto applied = scene->try_apply(
+        **updates_, services_.compute,
         {.expected_revision = expected(), .before_publish = encode, .cancelled = &cancelled_},
         {.request_id = id,
          .content = content_,
-         .answer = [this](const Result<scenes::Durability>& durability) { answered(durability); }});
+         .answer = [this](const Result<scenes::Durability>& durability) { answered(durability); },
+         .repeated =
+             [this](const scenegraph::Applied& earlier) {
+               encode_applied(earlier);
+               reply_.set_replayed(true);
+             }});
     return applied ? Status() : Status(applied.error());
   }
 
   /// On the write queue, when the updates are kept, or cannot be.
   void answered(const Result<scenes::Durability>& durability) {
-    if (!durability) return end(durability.error());
+    if (!durability) return refuse(durability.error());
     reply_.set_durability(encode_durability(*durability));
     log();
     end({});
@@ -165,6 +202,8 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
   std::shared_ptr<scenes::StoredScene> scene_;
   std::optional<Result<std::vector<scenegraph::model::Update>>> updates_;
   std::uint64_t content_ = 0;
+  bool caught_up_ = false;  // with other servers, before the request is refused
+  bool looked_up_ = false;  // the scene, after it was removed
   std::atomic<bool> cancelled_{false};
 };
 

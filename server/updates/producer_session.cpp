@@ -3,16 +3,22 @@
 
 #include <utility>
 
+#include "server/scenes/write_errors.h"
 #include "server/updates/coalesce.h"
 
 namespace sightline::server::updates {
 namespace {
 
-/// Whether the server failed or the call ended. The batch may succeed when it is sent again.
-bool says_nothing_of_the_batch(const Error& error) {
-  return error.code == Code::kInternal || error.code == Code::kCancelled ||
-         error.code == Code::kUnavailable || error.reason == "OUT_OF_MEMORY" ||
-         error.reason == exec::kMemoryBudget;
+/// The first batches, of which nothing is known yet.
+std::shared_ptr<Answered> take(const std::deque<UpdateBatch>& batches, std::size_t count) {
+  auto taken = std::make_shared<Answered>();
+  for (std::size_t i = 0; i < count; ++i)
+    taken->outcomes.push_back({batches[i].sequence, batches[i].bytes, scenegraph::Applied{}});
+  return taken;
+}
+
+void set_all(Answered& taken, const Result<scenegraph::Applied>& result) {
+  for (BatchOutcome& outcome : taken.outcomes) outcome.applied = result;
 }
 
 }  // namespace
@@ -35,32 +41,28 @@ Status ProducerSession::apply_some(std::deque<UpdateBatch>& batches) {
   if (scene_.removed()) return scene_.removed_error();
   if (producer_.call.load() != call_.id) return taken_over();
   if (call_.latest_wins && alone_ == 0 && apply_together(batches)) return {};
-  if (alone_ > 0) --alone_;
+  if (alone_ > 0 && !caught_up_) --alone_;
   return apply_first(batches);
 }
 
-scenegraph::ApplyOptions ProducerSession::options(const std::deque<UpdateBatch>& batches,
-                                                  std::size_t count, const Taken& taken) const {
-  return {.before_publish =
-              [&batches, count, taken](const scenegraph::Applied& next) {
-                for (std::size_t i = 0; i < count; ++i)
-                  taken->outcomes.push_back({batches[i].sequence, batches[i].bytes, next});
-              },
+scenegraph::ApplyOptions ProducerSession::options(const Taken& taken) const {
+  return {.before_publish = [taken](const scenegraph::Applied& next) { set_all(*taken, next); },
           .cancelled = call_.cancelled};
 }
 
-scenes::SceneWrite ProducerSession::write(const UpdateBatch& first, std::size_t count,
-                                          const Taken& taken) const {
+scenes::SceneWrite ProducerSession::write(const Taken& taken) const {
   scenes::SceneWrite write;
   write.producer = &producer_;
-  write.first_sequence = first.sequence;
-  write.batches = count;
+  write.first_sequence = taken->outcomes.front().sequence;
+  write.batches = taken->outcomes.size();
   write.relaxed = call_.relaxed;
   write.answer = [answer = call_.answer, taken](const Result<scenes::Durability>& kept) {
     if (!kept) return answer(kept.error());
     taken->durability = *kept;
     answer(std::move(*taken));
   };
+  write.rejected = [taken](const Error& error) { set_all(*taken, error); };
+  write.repeated = [taken](const scenegraph::Applied& earlier) { set_all(*taken, earlier); };
   return write;
 }
 
@@ -69,10 +71,9 @@ scenes::SceneWrite ProducerSession::write(const UpdateBatch& first, std::size_t 
 bool ProducerSession::apply_together(std::deque<UpdateBatch>& batches) {
   const std::size_t count = count_to_coalesce(batches);
   if (count < 2) return false;
-  const auto taken = std::make_shared<Answered>();
+  const Taken taken = take(batches, count);
   coalesced_ += count - 1;  // before the batches are answered
-  if (!scene_.apply(coalesce(batches, count), compute_, options(batches, count, taken),
-                    write(batches.front(), count, taken))) {
+  if (!scene_.apply(coalesce(batches, count), compute_, options(taken), write(taken))) {
     coalesced_ -= count - 1;
     alone_ = count;
     return false;
@@ -83,17 +84,19 @@ bool ProducerSession::apply_together(std::deque<UpdateBatch>& batches) {
 
 Status ProducerSession::apply_first(std::deque<UpdateBatch>& batches) {
   UpdateBatch& batch = batches.front();
-  const auto taken = std::make_shared<Answered>();
-  std::optional<Error> rejected = batch.bad;
-  if (!rejected) {
-    const auto applied = scene_.apply(std::move(batch.updates), compute_,
-                                      options(batches, 1, taken), write(batch, 1, taken));
-    if (!applied && says_nothing_of_the_batch(applied.error())) return applied.error();
-    if (!applied) rejected = applied.error();
+  const Taken taken = take(batches, 1);
+  std::optional<Error> invalid = batch.bad;
+  if (!invalid) {
+    const auto applied = scene_.try_apply(batch.updates, compute_, options(taken), write(taken));
+    if (!applied && scenes::says_nothing_of_the_batch(applied.error())) return applied.error();
+    if (!applied) invalid = applied.error();
+    awaits_others_ = invalid && scene_.follower() != nullptr && !caught_up_;
+    if (awaits_others_) return {};
   }
-  if (rejected) {
-    taken->outcomes.assign(1, {batch.sequence, batch.bytes, *rejected});
-    if (Status recorded = scene_.record_rejected(compute_, write(batch, 1, taken)); !recorded)
+  caught_up_ = false;
+  if (invalid) {
+    set_all(*taken, *invalid);
+    if (Status recorded = scene_.record_rejected(compute_, write(taken)); !recorded)
       return recorded;
   }
   batches.pop_front();

@@ -60,14 +60,22 @@ class ProducerSession {
   /// taken over), kResourceExhausted (no memory), kUnavailable (the store fails), kCancelled.
   Status apply_some(std::deque<UpdateBatch>& batches);
 
+  /// Whether apply_some() has left a batch that is invalid here and may be valid where more is
+  /// known: call apply_some() again after caught_up().
+  bool awaits_others() const { return awaits_others_; }
+  /// All that other servers had committed is published.
+  void caught_up() {
+    awaits_others_ = false;
+    caught_up_ = true;
+  }
+
   /// Batches that were merged with newer ones.
   std::uint64_t coalesced() const { return coalesced_; }
 
  private:
   using Taken = std::shared_ptr<Answered>;
-  scenegraph::ApplyOptions options(const std::deque<UpdateBatch>& batches, std::size_t count,
-                                   const Taken& taken) const;
-  scenes::SceneWrite write(const UpdateBatch& first, std::size_t count, const Taken& taken) const;
+  scenegraph::ApplyOptions options(const Taken& taken) const;
+  scenes::SceneWrite write(const Taken& taken) const;
   bool apply_together(std::deque<UpdateBatch>& batches);
   Status apply_first(std::deque<UpdateBatch>& batches);
 
@@ -77,6 +85,8 @@ class ProducerSession {
   exec::Compute& compute_;
   std::size_t alone_ = 0;  // first batches that must be applied one by one
   std::uint64_t coalesced_ = 0;
+  bool awaits_others_ = false;
+  bool caught_up_ = false;  // for the first batch
 };
 
 /// kAborted: the error of a call whose producer a newer call has opened.

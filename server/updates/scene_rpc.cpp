@@ -76,7 +76,7 @@ class NodesCall final : public grpc::ServerUnaryReactor {
                                kMaxNodesPerRequest),
                    "TOO_MANY_NODES"};
     }
-    auto scene = services_.find(request_.scene());
+    auto scene = services_.find_for_read(request_.scene(), request_.consistency());
     if (!scene) return scene.error();
     auto work = services_.quotas.begin_work(caller_, 0, request_.ByteSizeLong());
     if (!work) return work.error();

@@ -3,8 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <deque>
+#include <iterator>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -156,7 +158,11 @@ class UpdateStream final
       const Status begun = exec::to_status([&] { return begin_session(open); });
       if (!begun) return opened(begun);
       // The producer may have batches that are not answered yet.
-      scene_->when_committed([this](const Status& kept) { opened(kept); });
+      scene_->when_committed([this](const Status& kept) {
+        scenes::SceneFollower* const follower = scene_->follower();
+        if (!kept || follower == nullptr) return opened(kept);
+        follower->look_up(*producer_, services_.compute, [this](const Status& s) { opened(s); });
+      });
     });
     return {};
   }
@@ -168,7 +174,8 @@ class UpdateStream final
     const auto producer = scene_->producers().open(open.producer());
     if (!producer) return producer.error();
     producer_ = *producer;
-    const bool relaxed = open.durability() == v1::DURABILITY_RELAXED;
+    const bool relaxed =
+        open.durability() == v1::DURABILITY_RELAXED && scene_->follower() == nullptr;
     durability_ = relaxed || !scene_->is_kept() ? scenes::Durability::kRelaxed
                                                 : scenes::Durability::kCommitted;
     session_.emplace(*scene_, *producer_,
@@ -221,12 +228,26 @@ class UpdateStream final
         if (batches.empty()) return {};  // an abort has dropped them
         return session_->apply_some(batches);
       });
+      if (applied && session_->awaits_others()) return catch_up(std::move(batches));
       advance([&] {
         if (!applied) enter(State::kAborting, applied);
         more = state_ < State::kAborting && !batches.empty();
         working_ = more;
       });
     }
+  }
+
+  /// On the write queue: goes on with the batches when what other servers have committed is known.
+  void catch_up(std::deque<UpdateBatch> batches) {
+    advance([&] {
+      std::ranges::move(waiting_, std::back_inserter(batches));
+      if (state_ < State::kAborting) waiting_.swap(batches);
+    });
+    scene_->follower()->when_caught_up(services_.compute, [this](const Status& read) {
+      session_->caught_up();
+      if (!read) advance([&] { enter(State::kAborting, read); });
+      apply_waiting();
+    });
   }
 
   /// On the write queue, also after the call has ended.

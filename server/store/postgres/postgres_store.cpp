@@ -115,6 +115,8 @@ void PostgresStore::watch(const Changed& changed) {
       parts_->address, [engine = parts_->engine] { return engine->backend(); }, changed);
 }
 
+void PostgresStore::unwatch() { parts_->watcher.reset(); }
+
 void PostgresStore::rows_dropped() { parts_->compactor.wake(); }
 
 }  // namespace sightline::server::store::postgres

@@ -37,6 +37,7 @@ class PostgresStore final : public RowStore {
   Status writable() override;
   bool shared() const override { return true; }
   void watch(const Changed& changed) override;
+  void unwatch() override;
 
  private:
   struct Parts;

@@ -42,26 +42,35 @@ Watcher::~Watcher() {
 }
 
 void Watcher::loop() {
+  bool said = false;
   while (!ending_) {
-    const Status lost = exec::to_status([this] { return follow(); });
+    bool connected = false;
+    const Status lost = exec::to_status([&] { return follow(connected); });
     if (ending_) return;
-    if (!lost) spdlog::warn("event=store_notices_lost error={}", lost.error().message);
+    if (connected) said = false;
+    if (!lost && !std::exchange(said, true))
+      spdlog::warn("event=store_notices_lost error={}", lost.error().message);
     std::this_thread::sleep_for(kWatchEvery);
   }
 }
 
 /// Returns when the connection is lost, or the object ends.
-Status Watcher::follow() {
+Status Watcher::follow(bool& connected) {
   auto connection = Connection::open(address_);
   if (!connection) return connection.error();
   const std::string listen = std::string("LISTEN ") + kChannel;
   if (Status listens = (*connection)->run(listen.c_str()); !listens) return listens;
+  connected = true;
+  using Clock = std::chrono::steady_clock;
   changed_({});  // what has changed meanwhile is not known
+  Clock::time_point all_changed = Clock::now();
   while (!ending_) {
     const auto notices = (*connection)->wait(static_cast<int>(kWatchEvery.count()));
     if (!notices) return notices.error();
-    if (notices->empty()) {
+    // Also where notices never end.
+    if (notices->empty() || Clock::now() - all_changed >= kWatchEvery) {
       changed_({});
+      all_changed = Clock::now();
     } else {
       report(*notices);
     }

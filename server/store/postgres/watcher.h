@@ -27,7 +27,7 @@ class Watcher {
 
  private:
   void loop();
-  Status follow();
+  Status follow(bool& connected);
   void report(std::span<const Connection::Notice> notices);
 
   const Address& address_;

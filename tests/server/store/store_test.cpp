@@ -100,6 +100,60 @@ TEST_P(StoreTest, FailsWhatBuildsOnAFailedBatch) {
   EXPECT_EQ(*log_of(*store, other), Strings{"x"});
 }
 
+TEST_P(StoreTest, FailsWhatBuildsOnALostBatchEvenWhereTheRevisionIsThere) {
+  const auto store = open();
+  const SceneId scene = make_scene(*store, "a");
+  ASSERT_TRUE(append(*store, scene, 0, "of another").ok());
+  std::vector<std::string> reasons(4);
+  std::shared_ptr<Fate> before;
+  const auto queue = [&](std::uint64_t expected, std::size_t i) {
+    Batch batch{scene, expected, std::to_string(i), {}, {}, {}};
+    batch.after = std::exchange(before, std::make_shared<Fate>());
+    batch.fate = before;
+    const auto record = [&reasons, i](const Status& done) { reasons[i] = reason_of(done); };
+    ASSERT_TRUE(store->append(std::move(batch), record).ok());
+  };
+  queue(0, 0);
+  queue(1, 1);  // it expects what is there, but means the one before
+  before = nullptr;
+  queue(1, 2);
+  queue(2, 3);
+  store->flush();
+  EXPECT_EQ(reasons, (Strings{"REVISION_MISMATCH", "REVISION_MISMATCH", "", ""}));
+  EXPECT_EQ(*log_of(*store, scene), (Strings{"of another", "2", "3"}));
+}
+
+TEST_P(StoreTest, FindsSingleRows) {
+  const auto store = open();
+  const SceneId scene = make_scene(*store, "a");
+  const SceneId other = make_scene(*store, "b");
+  Batch batch{scene, 0, "1", {}, {}, {}};
+  batch.answer = RequestAnswer{"id", 7, 1, {5, 6}};
+  batch.commits = {{"robot", 3, {5}}, {"robot", 4, {}}};
+  ASSERT_TRUE(append(*store, batch).ok());
+  const auto heads = store->heads();
+  ASSERT_EQ(heads->size(), 2u);
+  EXPECT_EQ((*heads)[0].id, scene);
+  EXPECT_EQ((*heads)[0].revision, 1u);
+  EXPECT_EQ((*heads)[1].revision, 0u);
+  EXPECT_EQ((*store->find_scene("b"))->id, other);
+  EXPECT_FALSE(*store->find_scene("c"));
+  const auto answer = *store->answer(scene, "id");
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->content, 7u);
+  EXPECT_EQ(answer->nodes, (std::vector<NodeId>{5, 6}));
+  EXPECT_FALSE(*store->answer(other, "id"));
+  const auto producer = *store->producer(scene, "robot");
+  ASSERT_TRUE(producer);
+  EXPECT_EQ(producer->last_committed, 4u);
+  ASSERT_EQ(producer->recent.size(), 1u);
+  EXPECT_EQ(producer->recent[0].sequence, 3u);
+  EXPECT_FALSE(*store->producer(scene, "other"));
+  ASSERT_TRUE(store->remove_scene(scene).ok());
+  EXPECT_FALSE(*store->find_scene("a"));
+  EXPECT_EQ(store->heads()->size(), 1u);
+}
+
 TEST_P(StoreTest, CommitsManyThreadsWithoutGaps) {
   auto store = open();
   constexpr int kThreads = 8;
@@ -225,16 +279,19 @@ TEST_P(StoreTest, ARestoredSceneReplacesAnother) {
   ASSERT_TRUE(append(*store, before, 0, "u").ok());
   const auto blob = digest_of_blob(blob_bytes(1));
   ASSERT_TRUE(store_blob(*store, blob_bytes(1)).ok());
-  const auto restore = [&](std::uint64_t revision, std::vector<std::string> chunks) {
-    return store->restore_scene({.name = "a", .incarnation = 7}, revision, {blob},
-                                [&, next = std::size_t{0}]() mutable -> Result<std::string> {
-                                  if (next == chunks.size()) return std::string();
-                                  if (chunks[next].empty())
-                                    return Error{Code::kInternal, "no more", "TEST"};
-                                  return chunks[next++];
-                                });
+  const auto restore = [&](std::uint64_t revision, std::vector<std::string> chunks,
+                           bool replace = true) {
+    return store->restore_scene(
+        {.name = "a", .incarnation = 7}, revision, {blob},
+        [&, next = std::size_t{0}]() mutable -> Result<std::string> {
+          if (next == chunks.size()) return std::string();
+          if (chunks[next].empty()) return Error{Code::kInternal, "no more", "TEST"};
+          return chunks[next++];
+        },
+        replace);
   };
   EXPECT_EQ(reason_of(restore(5, {"nodes", ""})), "TEST");
+  EXPECT_EQ(reason_of(restore(5, {"nodes"}, false)), "SCENE_EXISTS");
   EXPECT_EQ(store->scenes()->front().id, before) << "nothing has changed";
   const auto id = restore(5, {"nodes ", "at 5"});
   ASSERT_TRUE(id.ok());
