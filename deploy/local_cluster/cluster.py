@@ -10,7 +10,7 @@ from .balancer import Balancer
 from .databases import Databases
 from .monitor import Monitor
 from .replicas import Replicas, chosen
-from .settings import REPLICAS, Failure, Settings, say
+from .settings import DATABASES, REPLICAS, Failure, Settings, say
 
 _MARK = "state.json"  # only a directory with it is deleted
 
@@ -42,7 +42,8 @@ class Cluster:
         program = programs.sightlined(program)
         with self._alone():
             self._directory.chmod(0o711)  # the user of PostgreSQL goes through it to its own
-            if not self._settings.ports:
+            self._databases.must_be_reachable(self._directory)
+            if not self._runs() and not self._settings.has_free_ports():
                 self._settings.choose_ports()
                 self._settings.save()
             say("starting the databases")
@@ -78,6 +79,11 @@ class Cluster:
             self._must_be_made()
             self._replicas.restart(program, self._balancer, chosen(names))
 
+    def _runs(self):
+        processes = [*map(self._replicas.process, REPLICAS), *map(self._databases.process, DATABASES), self._balancer.process,
+                     self._monitor.process]
+        return any(process.pid() is not None for process in processes)
+
     def _must_be_made(self):
         if not self._settings.ports:
             raise Failure("there is no cluster: start it with \"up\"")
@@ -101,7 +107,7 @@ class Cluster:
             "directory": os.fspath(self._directory),
         }
         parts = [*replicas, primary, standby, status["haproxy"], status["prometheus"]]
-        status["running"] = any(part["pid"] is not None for part in parts)
+        status["running"] = self._runs()
         status["complete"] = all(part["pid"] is not None for part in parts) and all(
             replica["ready"] for replica in replicas) and standby["synchronous"]
         return status

@@ -37,6 +37,14 @@ class Databases:
     def process(self, name):
         return self._processes[name]
 
+    @staticmethod
+    def must_be_reachable(directory):
+        """Failure: the user that PostgreSQL runs as cannot go there."""
+        user = postgres_user()
+        if user is not None and subprocess.run(["test", "-x", directory], check=False, **as_user(user)).returncode != 0:
+            raise Failure(f"PostgreSQL runs as the user {user.pw_name}, who cannot enter {directory}: "
+                          "name another directory in SIGHTLINE_CLUSTER_DIR")
+
     def up(self):
         """Starts both; makes the standby anew if it cannot follow the primary."""
         primary, standby = self._settings.primary, self._settings.standby

@@ -13,11 +13,10 @@ _ROOT = DEPLOY.parent
 
 
 def install_packages(*sections):
-    """Those that are missing, of deploy/packages.txt. An installed copy of this program has no such list."""
-    if (DEPLOY / "packages.txt").exists():
-        done = subprocess.run([DEPLOY / "install-packages", *sections], stdout=sys.stderr, check=False)
-        if done.returncode != 0:
-            raise Failure("the packages were not installed")
+    """Those of deploy/packages.txt that are missing."""
+    done = subprocess.run([DEPLOY / "install-packages", *sections], stdout=sys.stderr, check=False)
+    if done.returncode != 0:
+        raise Failure("the packages were not installed")
 
 
 def find(name):

@@ -58,6 +58,10 @@ class Settings:
         draft.write_text(json.dumps({"ports": self.ports, "primary": self.primary}, indent=2) + "\n")
         draft.replace(self._file)
 
+    def has_free_ports(self):
+        """Whether there are ports already, and no other program has taken one."""
+        return bool(self.ports) and all(map(_is_free, self.ports.values()))
+
     def choose_ports(self):
         """Ten in a row: those from SIGHTLINE_CLUSTER_PORT on, else the first that are free from FIRST_PORT on."""
         wanted = os.environ.get("SIGHTLINE_CLUSTER_PORT")

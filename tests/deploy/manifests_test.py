@@ -14,6 +14,7 @@ import sys
 
 from operator_files import DEPLOY, SKIPPED
 
+SYSTEM_PYTHON = "/usr/bin/python3"
 # Kinds, and the classes that Debian 12's client has for them: its Kubernetes is 1.22, in which autoscaling/v2 still has the name that
 # it had before it was declared stable, without a change.
 CLASSES = {("v1", "Service"): "V1Service", ("apps/v1", "Deployment"): "V1Deployment", ("apps/v1", "StatefulSet"): "V1StatefulSet",
@@ -87,6 +88,9 @@ def main():
         yaml = importlib.import_module("yaml")
         client = importlib.import_module("kubernetes.client")
     except ImportError as error:
+        # The distribution's interpreter sees its packages, which another one first in PATH does not.
+        if os.path.exists(SYSTEM_PYTHON) and os.path.realpath(sys.executable) != os.path.realpath(SYSTEM_PYTHON):
+            os.execv(SYSTEM_PYTHON, [SYSTEM_PYTHON, *sys.argv])
         print(f"skipped: {error}")
         sys.exit(SKIPPED)
     checked = 0
