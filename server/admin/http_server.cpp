@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "server/admin/http_session.h"
+#include "server/admin/page_thread.h"
 #include "server/admin/tunnel.h"
 
 namespace sightline::server::admin {
@@ -18,7 +19,7 @@ constexpr std::chrono::milliseconds kPause{100};
 }  // namespace
 
 HttpServer::HttpServer(std::vector<net::Descriptor> listeners, Handler handler, Tunnel* tunnel)
-    : handler_(std::move(handler)), tunnel_(tunnel) {
+    : tunnel_(tunnel), pages_(std::make_unique<PageThread>(std::move(handler))) {
   for (net::Descriptor& one : listeners) {
     Listener& listener = listeners_.emplace_back(
         Listener{boost::asio::posix::stream_descriptor(context_, one.release()),
@@ -58,7 +59,7 @@ void HttpServer::accept_from(Listener& listener) {
     if (const auto oldest = sessions_.front().lock()) oldest->close();
     sessions_.pop_front();
   }
-  sessions_.push_back(HttpSession::start(context_, std::move(socket), handler_, tunnel_));
+  sessions_.push_back(HttpSession::start(context_, std::move(socket), *pages_, tunnel_));
 }
 
 }  // namespace sightline::server::admin

@@ -25,20 +25,21 @@ struct HttpReply {
 };
 
 class HttpSession;
+class PageThread;
 class Tunnel;
 
-/// Answers GET and HEAD, one request a connection, from one thread. What a peer may do is limited:
-/// the connections at a time, the bytes of a request, and the time until its reply is read. When
-/// all connections are taken, the oldest is closed. WebSockets have limits of their own: see
-/// Tunnel.
+/// Answers GET and HEAD, one request a connection, from one thread; /livez itself, all else by a
+/// handler on a second one, which may wait. What a peer may do is limited: the connections at a
+/// time, the bytes of a request, and the time until its reply is read. When all connections are
+/// taken, the oldest is closed. WebSockets have limits of their own: see Tunnel.
 class HttpServer {
  public:
   static constexpr std::size_t kMaxConnections = 32;
   static constexpr std::size_t kMaxRequest = 8192;  ///< Bytes of the request line and the headers.
   static constexpr std::chrono::seconds kTimeout{5};
 
-  /// Makes the reply to the path of a request, without its query. Runs on the server's thread. What
-  /// it throws becomes a reply with code 500.
+  /// Makes the reply to the path of a request, without its query. Runs on a thread of its own, once
+  /// at a time. What it throws becomes a reply with code 500.
   using Handler = std::function<HttpReply(std::string_view path)>;
 
   /// Answers from now on. `listeners` do not block. `tunnel` outlives this object; null: there are
@@ -58,9 +59,9 @@ class HttpServer {
   void wait_at(Listener& listener);
   void accept_from(Listener& listener);
 
-  const Handler handler_;
   Tunnel* const tunnel_;
   boost::asio::io_context context_{1};
+  std::unique_ptr<PageThread> pages_;  // ends before the context, to which it sends pages
   std::list<Listener> listeners_;
   std::list<std::weak_ptr<HttpSession>> sessions_;  // oldest first
   std::thread thread_;

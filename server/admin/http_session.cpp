@@ -1,14 +1,13 @@
 // One connection of the HTTP server: one request, and its reply or a WebSocket.
 #include "server/admin/http_session.h"
 
-#include <fmt/format.h>
 #include <sys/socket.h>
 
+#include <boost/asio/post.hpp>
 #include <boost/beast/core/bind_handler.hpp>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
-#include <exception>
 #include <utility>
 
 #include "server/admin/tunnel.h"
@@ -49,17 +48,16 @@ bool is_malformed(const error_code& error) {
 }  // namespace
 
 std::shared_ptr<HttpSession> HttpSession::start(boost::asio::io_context& context,
-                                                net::Descriptor socket,
-                                                const HttpServer::Handler& handler,
+                                                net::Descriptor socket, PageThread& pages,
                                                 Tunnel* tunnel) {
-  std::shared_ptr<HttpSession> made(new HttpSession(context, std::move(socket), handler, tunnel));
+  std::shared_ptr<HttpSession> made(new HttpSession(context, std::move(socket), pages, tunnel));
   made->read();
   return made;
 }
 
 HttpSession::HttpSession(boost::asio::io_context& context, net::Descriptor socket,
-                         const HttpServer::Handler& handler, Tunnel* tunnel)
-    : stream_(make_stream(context, std::move(socket))), handler_(handler), tunnel_(tunnel) {
+                         PageThread& pages, Tunnel* tunnel)
+    : stream_(make_stream(context, std::move(socket))), pages_(pages), tunnel_(tunnel) {
   parser_.header_limit(HttpServer::kMaxRequest);
 }
 
@@ -82,15 +80,20 @@ void HttpSession::answer() {
     return write({.code = 405, .body = "only GET and HEAD are answered\n"});
   const std::string_view target(request.target().data(), request.target().size());
   if (boost::beast::websocket::is_upgrade(request)) return upgrade();
-  write(ask(target.substr(0, target.find('?'))));
+  const std::string_view path = target.substr(0, target.find('?'));
+  // It tells that this thread works, whatever a page waits for.
+  if (path == "/livez") return write({.body = "alive\n"});
+  ask(std::string(path));
 }
 
-HttpReply HttpSession::ask(std::string_view path) const {
-  try {
-    return handler_(path);
-  } catch (const std::exception& thrown) {
-    return {.code = 500, .body = fmt::format("{}\n", thrown.what())};
-  }
+void HttpSession::ask(std::string path) {
+  const bool waits =
+      pages_.make(std::move(path), [self = shared_from_this()](HttpReply reply) mutable {
+        const auto thread = self->stream_.get_executor();
+        boost::asio::post(
+            thread, [self = std::move(self), reply = std::move(reply)] { self->write(reply); });
+      });
+  if (!waits) write({.code = 503, .body = "too many requests wait for pages\n"});
 }
 
 void HttpSession::upgrade() {

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "server/admin/http_server.h"
+#include "server/admin/page_thread.h"
 #include "server/net/descriptor.h"
 
 namespace sightline::server::admin {
@@ -19,31 +20,31 @@ namespace sightline::server::admin {
 /// TCP or a Unix socket.
 using Stream = boost::beast::basic_stream<boost::asio::generic::stream_protocol>;
 
-/// Lives as long as something is to be done for it. Threads: that of the server.
+/// Lives as long as something is to be done for it. Threads: that of the connections.
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
-  /// `handler` and `tunnel` (null: none) outlive the context's handlers.
+  /// `pages` and `tunnel` (null: none) outlive the thread of the connections.
   static std::shared_ptr<HttpSession> start(boost::asio::io_context& context,
-                                            net::Descriptor socket,
-                                            const HttpServer::Handler& handler, Tunnel* tunnel);
+                                            net::Descriptor socket, PageThread& pages,
+                                            Tunnel* tunnel);
 
   void close();
 
  private:
   using Response = boost::beast::http::response<boost::beast::http::string_body>;
 
-  HttpSession(boost::asio::io_context& context, net::Descriptor socket,
-              const HttpServer::Handler& handler, Tunnel* tunnel);
+  HttpSession(boost::asio::io_context& context, net::Descriptor socket, PageThread& pages,
+              Tunnel* tunnel);
 
   void read();
   void answer();
   void upgrade();
-  HttpReply ask(std::string_view target) const;
+  void ask(std::string path);
   void write(const HttpReply& reply);
   void linger();
 
   Stream stream_;
-  const HttpServer::Handler& handler_;
+  PageThread& pages_;
   Tunnel* const tunnel_;
   boost::beast::flat_buffer buffer_{2 * HttpServer::kMaxRequest};
   boost::beast::http::request_parser<boost::beast::http::empty_body> parser_;

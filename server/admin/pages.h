@@ -20,9 +20,8 @@ struct PageFile {
 /// All of them; they are part of the program.
 std::span<const PageFile> page_files();
 
-/// The live page, and the pages /livez (the process answers), /readyz (200, or 503 and the reasons)
-/// and /metrics (Prometheus' text format). `readiness` outlives the handler; `metrics` makes the
-/// text.
+/// The live page, and the pages /readyz (200, or 503 and the reasons) and /metrics (Prometheus'
+/// text format). `readiness` outlives the handler; `metrics` makes the text.
 HttpServer::Handler pages(const Readiness& readiness, std::function<std::string()> metrics);
 
 }  // namespace sightline::server::admin

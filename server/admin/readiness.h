@@ -15,8 +15,8 @@ namespace sightline::server::admin {
 /// It does not mean that trees are built. Threads: any, for every member but add().
 class Readiness {
  public:
-  /// What must hold; the error says what does not. Runs on the thread of a probe: it must be short
-  /// and must not wait.
+  /// What must hold; the error says what does not. Runs on the thread that makes pages: while it
+  /// waits, for the store or a disk, probes get no answer, which they count as not ready.
   using Check = std::function<Status()>;
 
   /// `name`: of the part that is checked, as a probe's reply shows it. Only before the first probe.

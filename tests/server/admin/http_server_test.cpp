@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <latch>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -27,7 +28,8 @@ class HttpServerTest : public testing::Test {
   HttpServerTest() {
     auto listening = net::listen_on(*net::ListenAddress::parse("127.0.0.1:0"));
     port_ = listening->port;
-    server_ = std::make_unique<HttpServer>(std::move(listening->sockets), [](auto path) {
+    server_ = std::make_unique<HttpServer>(std::move(listening->sockets), [this](auto path) {
+      if (path == "/wait") done_waiting_.wait();
       if (path == "/throw") throw std::runtime_error("thrown");
       if (path == "/large") return HttpReply{.body = std::string(kLarge, 'x')};
       if (path == "/no") return HttpReply{.code = 503, .body = "no\n"};
@@ -49,6 +51,7 @@ class HttpServerTest : public testing::Test {
   }
 
   int port_ = 0;
+  std::latch done_waiting_{1};
   std::unique_ptr<HttpServer> server_;
 };
 
@@ -61,6 +64,17 @@ TEST_F(HttpServerTest, AnswersGetAndHead) {
   EXPECT_NE(head.find("\r\nContent-Length: 8\r\n"), std::string::npos) << head;
   EXPECT_TRUE(head.ends_with("\r\n\r\n")) << head;
   EXPECT_TRUE(ask("GET /no HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 503 Service Unavailable\r\n"));
+}
+
+TEST_F(HttpServerTest, TellsThatItIsAliveWhileAPageWaits) {
+  std::vector<Descriptor> waiting;
+  for (std::size_t i = 0; i < HttpServer::kMaxConnections / 2; ++i) {
+    waiting.push_back(connect_tcp(port_));
+    send_bytes(waiting.back(), "GET /wait HTTP/1.1\r\n\r\n");
+  }
+  EXPECT_TRUE(ask("GET /livez HTTP/1.1\r\n\r\n").ends_with("alive\n"));
+  done_waiting_.count_down();
+  for (const Descriptor& one : waiting) EXPECT_TRUE(rest(one).ends_with("path /wait\n"));
 }
 
 TEST_F(HttpServerTest, RefusesWhatItDoesNotKnow) {

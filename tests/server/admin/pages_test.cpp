@@ -6,14 +6,6 @@
 namespace sightline::server::admin {
 namespace {
 
-TEST(Pages, AliveWhateverElseFails) {
-  Readiness readiness;
-  readiness.add("store", [] { return Error{Code::kUnavailable, "gone", {}}; });
-  readiness.drain();
-  const auto handler = pages(readiness, [] { return std::string(); });
-  EXPECT_EQ(handler("/livez").code, 200);
-}
-
 TEST(Pages, ReadyUntilACheckFailsOrTheServerDrains) {
   Readiness readiness;
   bool disk = true, store = true;
