@@ -16,6 +16,7 @@
 #include "server/exec/quotas.h"
 #include "server/exec/unread_replies.h"
 #include "server/metrics/metrics.h"
+#include "server/scenes/eviction_thread.h"
 #include "server/scenes/reclaim.h"
 #include "server/scenes/scene_store.h"
 #include "server/scenes/services.h"
@@ -42,6 +43,7 @@ struct State {
   scenes::SceneStore scenes;
   std::optional<durable::Sweeper> sweeper;  // with a store
   scenes::Reclaimer reclaimer;
+  scenes::EvictionThread eviction;
   exec::Deadlines deadlines;
   exec::Compute compute;
   /// The store reports to tasks until nothing is under way any more.
