@@ -27,7 +27,7 @@ Result<RestoredScene> begin_restored(Database& database, const SceneInfo& info,
 Status publish_restored(Database& database, const RestoredScene& restored, bool replace) {
   if (!replace) {
     std::optional<std::string> other;
-    const Status read = database.each(
+    Status read = database.each(
         "SELECT name FROM scene WHERE removed = 0 AND name = (SELECT name FROM scene WHERE id = ?)",
         [&](const Row& row) {
           other = row.text(0);
