@@ -40,6 +40,14 @@ auto repeat(const Call& call) {
   return result;
 }
 
+/// Whether the open file is the one of this name.
+bool is_named(const net::Descriptor& opened, const fs::path& file) {
+  struct stat one {
+  }, other{};
+  return fstat(opened.number(), &one) == 0 && ::stat(file.c_str(), &other) == 0 &&
+         one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+}
+
 class LocalMapping final : public MappedFile {
  public:
   LocalMapping(void* begin, std::size_t size) : begin_(begin), size_(size) {}
@@ -178,12 +186,16 @@ class LocalFiles final : public FileSystem {
   bool exists(const Path& file) override { return ::access(file.c_str(), F_OK) == 0; }
 
   Result<net::Descriptor> lock(const Path& file) override {
-    net::Descriptor opened(
-        repeat([&] { return ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, kFileMode); }));
-    if (!opened) return failed("open", file);
-    if (repeat([&] { return ::flock(opened.number(), LOCK_EX | LOCK_NB); }) == 0) return opened;
-    if (errno != EWOULDBLOCK) return failed("lock", file);
-    return Error{Code::kAlreadyExists, file.string() + " is locked", "LOCKED"};
+    for (;;) {
+      net::Descriptor opened(
+          repeat([&] { return ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, kFileMode); }));
+      if (!opened) return failed("open", file);
+      if (repeat([&] { return ::flock(opened.number(), LOCK_EX | LOCK_NB); }) != 0) {
+        if (errno != EWOULDBLOCK) return failed("lock", file);
+        return Error{Code::kAlreadyExists, file.string() + " is locked", "LOCKED"};
+      }
+      if (is_named(opened, file)) return opened;  // else its last owner has removed it meanwhile
+    }
   }
 
   Result<std::uint64_t> bytes_free(const Path& directory) override {

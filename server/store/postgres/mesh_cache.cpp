@@ -18,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kOwnPrefix = "sightline-meshes-";
+constexpr const char* kLock = "lock";
 
 /// A directory that this user has made, and no other can write to.
 bool is_own(const fs::path& directory) {
@@ -33,7 +34,7 @@ struct Locked {
 
 Result<Locked> lock_named(FileSystem& files, const fs::path& directory) {
   if (const Status made = files.make_directory(directory); !made) return made.error();
-  auto lock = files.lock(directory / "lock");
+  auto lock = files.lock(directory / kLock);
   if (lock) return Locked{directory, std::move(*lock)};
   if (lock.error().reason != "LOCKED") return lock.error();
   return Error{
@@ -50,11 +51,29 @@ Result<Locked> lock_own(FileSystem& files) {
        entry.increment(error)) {
     const fs::path& path = entry->path();
     if (!path.filename().string().starts_with(kOwnPrefix) || !is_own(path)) continue;
-    if (auto lock = files.lock(path / "lock")) return Locked{path, std::move(*lock)};
+    if (auto lock = files.lock(path / kLock)) return Locked{path, std::move(*lock)};
   }
-  std::string fresh = (parent / (std::string(kOwnPrefix) + "XXXXXX")).string();
-  if (mkdtemp(fresh.data()) == nullptr) return file_error("make a directory in", parent, errno);
-  return lock_named(files, fresh);
+  for (;;) {
+    std::string fresh = (parent / (std::string(kOwnPrefix) + "XXXXXX")).string();
+    if (mkdtemp(fresh.data()) == nullptr) return file_error("make a directory in", parent, errno);
+    auto lock = files.lock(fs::path(fresh) / kLock);
+    if (lock) return Locked{fresh, std::move(*lock)};
+    if (lock.error().reason != "LOCKED" && files.exists(fresh)) return lock.error();
+    // Else another took it for one that was left behind.
+  }
+}
+
+/// The lock goes last: a process that finds the directory after that may use it, while it exists.
+void remove_own(const fs::path& directory) {
+  std::error_code ignored;
+  for (fs::directory_iterator entry(directory, ignored), end; !ignored && entry != end;
+       entry.increment(ignored)) {
+    if (entry->path().filename() == kLock) continue;
+    std::error_code not_removed;
+    fs::remove_all(entry->path(), not_removed);
+  }
+  fs::remove(directory / kLock, ignored);
+  fs::remove(directory, ignored);
 }
 
 /// The digest that a file is named by; nothing if it has another name.
@@ -75,9 +94,7 @@ MeshCache::MeshCache(FileSystem& files, fs::path directory, net::Descriptor lock
       blobs_(files, directory_) {}
 
 MeshCache::~MeshCache() {
-  if (!is_temporary_) return;
-  std::error_code ignored;
-  fs::remove_all(directory_, ignored);
+  if (is_temporary_) remove_own(directory_);
 }
 
 Result<std::unique_ptr<MeshCache>> MeshCache::open(FileSystem& files, const fs::path& directory,
