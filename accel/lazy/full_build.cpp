@@ -107,8 +107,13 @@ void LazyTree::complete(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counter
     const Step done = step(slot, counters, cancelled, claimed);
     if (done == Step::kBuilt) break;
     if (done == Step::kFailed) return;
-    // No other thread retires a claimed cell.
-    if (done == Step::kClaimed) return complete_claimed(slot, *claimed, counters, cancelled);
+    if (done == Step::kClaimed) {
+      try {  // no other thread retires a claimed cell
+        complete_claimed(slot, *claimed, counters, cancelled);
+      } catch (const Cancelled&) {  // it is deferred again
+      }
+      return;
+    }
     // A ray's thread has just claimed the cell. It finishes soon, or it is stopped, and then the
     // next round completes the cell.
     if (done == Step::kWait && !stall_detector.wait(0)) return;

@@ -185,6 +185,19 @@ TEST(CellTask, ACancelledThreadLeavesAfterASliceAndTheNextOneGoesOn) {
   EXPECT_EQ(descend(*tree, point).cells_expanded, descend(*other, point).cells_expanded);
 }
 
+TEST(CellTask, AFullBuildThatIsCancelledWithinTheListOfARootReturns) {
+  ManyBoxes boxes(kSampleFrom - 1);  // two slices, which one thread lists
+  const auto cancelled = std::make_shared<std::atomic<bool>>(false);
+  boxes.at_slice = [cancelled] { *cancelled = true; };
+  const auto tree = boxes.tree();
+  kdtree::BuildCounters counters;
+  tree->expand_all(counters, cancelled.get());
+  EXPECT_FALSE(tree->is_complete());
+  EXPECT_EQ(counters.cells_expanded, 0u);
+  tree->expand_all(counters);
+  EXPECT_TRUE(tree->is_complete());
+}
+
 /// Does the slices of a task's last pass, as a called thread does.
 void help(CellTask& task) {
   kdtree::BuildCounters counters;
