@@ -37,8 +37,8 @@ RaySource<double> one_after_the_other(const DownwardRays& rays) {
   return [&rays,
           next = std::size_t{0}](const RayColumns<double>& buffer) mutable -> Result<std::size_t> {
     const std::size_t count = std::min(buffer.size(), rays.columns().size() - next);
-    std::copy_n(&rays.origins[3 * next], 3 * count, buffer.origins.begin());
-    std::copy_n(&rays.directions[3 * next], 3 * count, buffer.directions.begin());
+    std::copy_n(rays.origins.data() + 3 * next, 3 * count, buffer.origins.begin());
+    std::copy_n(rays.directions.data() + 3 * next, 3 * count, buffer.directions.begin());
     next += count;
     return count;
   };
