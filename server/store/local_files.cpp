@@ -42,8 +42,8 @@ auto repeat(const Call& call) {
 
 /// Whether the open file is the one of this name.
 bool is_named(const net::Descriptor& opened, const fs::path& file) {
-  struct stat one {
-  }, other{};
+  struct stat one {};
+  struct stat other {};
   return fstat(opened.number(), &one) == 0 && ::stat(file.c_str(), &other) == 0 &&
          one.st_dev == other.st_dev && one.st_ino == other.st_ino;
 }

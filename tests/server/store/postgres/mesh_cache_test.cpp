@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <memory>
 #include <span>
 #include <string>
 #include <thread>
