@@ -1,0 +1,21 @@
+// The verbs of sightline-bench, with their options.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "accel/result.h"
+#include "tests/bench/verbs/verbs.h"
+
+namespace sightline::bench {
+
+/// Runs one, with the options that were parsed.
+using Verb = std::function<Result<std::vector<Row>>(const CommonOptions&)>;
+
+/// Adds all verbs as subcommands. Returns them by their names.
+std::map<std::string, Verb> add_verbs(CLI::App& app);
+
+}  // namespace sightline::bench
