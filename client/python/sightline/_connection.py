@@ -12,9 +12,11 @@ import grpc
 
 from . import _proto, errors
 from ._endpoint import Endpoint
+from ._waiting import read_ahead, result_of
 
 DEFAULT_ENDPOINT = "127.0.0.1:50151"
 _LIGHT_TIMEOUT = 60.0  # seconds, for calls that carry neither rays nor meshes
+_READ_AHEAD = 2  # answers of a stream
 
 # Calls that may be repeated: those that read, and ApplyUpdates, which carries a request id.
 _REPEATABLE = ("CastRays", "GetScene", "ListScenes", "BatchGetNodes", "GetSceneStats", "FindMissingBlobs",
@@ -116,7 +118,7 @@ class Connection:
         if current is not None:
             current.add(call)
         try:
-            return call.result()
+            return result_of(call)
         except grpc.RpcError as error:
             raise errors.of_call(error) from None
         except grpc.FutureCancelledError:
@@ -166,7 +168,7 @@ class Stream:
     def __iter__(self) -> "Iterator[Any]":
         """Errors: those of errors.py. A call that only the server cancelled is Unavailable."""
         try:
-            yield from self._call
+            yield from read_ahead(self._call, _READ_AHEAD)
         except grpc.RpcError as error:
             if error.code() is grpc.StatusCode.CANCELLED and not (self._scope and self._scope.cancelled):
                 if "Locally cancelled" not in (error.details() or ""):

@@ -16,7 +16,8 @@ class Window:
     def __init__(self, source: "Iterator[Any]", size: int):
         self._source = source
         self._size = size
-        self._changed = threading.Condition()
+        self._lock = threading.RLock()  # entering a condition by itself could be interrupted half way
+        self._changed = threading.Condition(self._lock)
         self._items: "Deque[Any]" = deque()  # not answered yet
         self._first = 0                      # the number of the oldest
         self._attempt = 0
@@ -27,7 +28,7 @@ class Window:
     def attempt(self, encode: "Callable[[int, Any], bytes]") -> "Iterator[bytes]":
         """Messages for a new call: the items without an answer, then the others, numbered from 0. Ends those of the
         attempt before."""
-        with self._changed:
+        with self._lock:
             self._attempt += 1
             attempt, first = self._attempt, self._first
             self._changed.notify_all()
@@ -45,7 +46,7 @@ class Window:
     def _take(self, attempt: int, number: int) -> Any:
         """The item of this number, once it may be sent; None at the end, and when the attempt is over."""
         while True:
-            with self._changed:
+            with self._lock:
                 self._changed.wait_for(lambda: self._is_ready(attempt, number))
                 if attempt != self._attempt:
                     return None
@@ -66,7 +67,7 @@ class Window:
             item = next(self._source, None)
         except BaseException as raised:  # it is raised where the answers are read
             error = raised
-        with self._changed:
+        with self._lock:
             self._is_pulling = False
             if item is None:
                 self._ended, self.error = True, error
@@ -76,23 +77,23 @@ class Window:
 
     def oldest(self) -> Any:
         """The item that the next answer belongs to; None if there is none."""
-        with self._changed:
+        with self._lock:
             return self._items[0] if self._items else None
 
     def answered(self) -> None:
         """The oldest item has its whole answer."""
-        with self._changed:
+        with self._lock:
             self._items.popleft()
             self._first += 1
             self._changed.notify_all()
 
     def is_done(self) -> bool:
-        with self._changed:
+        with self._lock:
             return self._ended and not self._items
 
     def close(self) -> None:
         """No attempt sends any more."""
-        with self._changed:
+        with self._lock:
             self._attempt += 1
             self._ended = True
             self._changed.notify_all()

@@ -33,7 +33,8 @@ class UpdateStream:
         durability = _proto.enum_value("DURABILITY_RELAXED" if relaxed else "DURABILITY_UNSPECIFIED")
         self._open = _proto.OpenProducer(scene=scene, producer=producer, latest_wins=latest_wins,
                                          durability=durability)
-        self._changed = threading.Condition()
+        self._lock = threading.RLock()  # entering a condition by itself could be interrupted half way
+        self._changed = threading.Condition(self._lock)
         self._batches: "Deque[Tuple[int, List[Any]]]" = deque()  # not answered yet
         self._attempt = 0          # of opening the call
         self._opened = 0           # the attempt that is open
@@ -52,7 +53,7 @@ class UpdateStream:
         """One batch of messages Update (made by sightline.updates). Waits while the window is full. Returns its number."""
         batch = list(changes)
         self._wait(lambda: len(self._batches) < self._window, None)
-        with self._changed:
+        with self._lock:
             if self._is_closing:
                 raise RuntimeError("the stream is closed")
             self._last += 1
@@ -72,7 +73,7 @@ class UpdateStream:
         """Waits until all batches are answered. Returns the revision that holds them. Errors: of the first batch that
         was rejected since the last flush; DeadlineExceeded, in seconds."""
         self._wait(lambda: not self._batches, timeout)
-        with self._changed:
+        with self._lock:
             if self._rejected:
                 error = self._rejected[0]
                 self._rejected.clear()
@@ -97,13 +98,13 @@ class UpdateStream:
             self._stop()
 
     def _stop(self) -> None:
-        with self._changed:
+        with self._lock:
             self._is_closing = True
             self._changed.notify_all()
         self._thread.join()
 
     def _wait(self, condition: Any, timeout: Optional[float]) -> None:
-        with self._changed:
+        with self._lock:
             done = self._changed.wait_for(lambda: self._failure is not None or condition(), timeout)
             if self._failure is not None:
                 raise self._failure
@@ -131,7 +132,7 @@ class UpdateStream:
 
     def _may_go_on(self, error: errors.SightlineError, failures: int) -> bool:
         if error.reason == "STREAM_IDLE":  # its place is needed: come back when there is something to send
-            with self._changed:
+            with self._lock:
                 self._changed.wait_for(lambda: self._batches or self._is_closing)
             return not self._is_closing
         return isinstance(error, errors.Unavailable) and failures < _ATTEMPTS
@@ -143,18 +144,18 @@ class UpdateStream:
                 for message in stream:
                     self._receive(message)
             finally:
-                with self._changed:
+                with self._lock:
                     self._attempt += 1
                     self._changed.notify_all()
 
     def _fail(self, error: BaseException) -> None:
-        with self._changed:
+        with self._lock:
             self._failure = error
             self._changed.notify_all()
 
     def _receive(self, message: Any) -> None:
         kind = message.WhichOneof("message")
-        with self._changed:
+        with self._lock:
             if kind == "opened":
                 opened = message.opened
                 self._window, self._opened = opened.window, self._attempt
@@ -182,7 +183,7 @@ class UpdateStream:
         yield _proto.StreamUpdatesRequest(open=self._open)
         sent = 0
         while True:
-            with self._changed:
+            with self._lock:
                 self._changed.wait_for(lambda: attempt != self._attempt or self._may_send(attempt, sent))
                 if attempt != self._attempt:
                     return
