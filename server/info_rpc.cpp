@@ -11,6 +11,7 @@
 #include "scenegraph/model/mesh.h"
 #include "scenegraph/model/node.h"
 #include "server/blobs/blob_rpc.h"
+#include "server/codec/update_codec.h"
 #include "server/durable/backup_rpc.h"
 #include "server/durable/sweeper.h"
 #include "server/exec/admission.h"
@@ -34,7 +35,6 @@
 #include "server/store/limits.h"
 #include "server/updates/producer_messages.h"
 #include "server/updates/scene_rpc.h"
-#include "server/updates/update_codec.h"
 #include "server/updates/update_stream_rpc.h"
 #include "server/updates/watch_rpc.h"
 
@@ -123,7 +123,7 @@ void describe_storage(const ServerConfig& config, v1::GetServerInfoResponse& inf
 
 void describe_requests(v1::GetServerInfoResponse& info) {
   info.set_max_scenes(scenes::SceneStore::kMaxScenes);
-  info.set_max_nodes_per_patch(static_cast<std::uint32_t>(updates::kMaxNodesPerPatch));
+  info.set_max_nodes_per_patch(static_cast<std::uint32_t>(codec::kMaxNodesPerPatch));
   info.set_max_digests_per_request(blobs::kMaxDigestsPerRequest);
   info.set_max_nodes_per_request(updates::kMaxNodesPerRequest);
   info.set_max_scenes_per_page(updates::kMaxPage);
@@ -179,7 +179,7 @@ v1::GetServerInfoResponse describe(const ServerConfig& config, std::size_t max_c
   info.set_max_name_bytes_per_reply(queries::kMaxNameBytes);
   info.set_max_exclusions(queries::kMaxExclusions);
   info.set_max_prefetches(static_cast<std::uint32_t>(config.max_prefetches));
-  info.set_max_updates_per_batch(updates::kMaxUpdatesPerBatch);
+  info.set_max_updates_per_batch(codec::kMaxUpdatesPerBatch);
   info.set_max_batch_bytes(updates::kMaxBatchBytes);
   info.set_update_window(updates::kUpdateWindow);
   info.set_max_update_streams(updates::kMaxUpdateStreams);

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "server/updates/update_codec.h"
+#include "server/codec/update_codec.h"
 #include "sightline/stored/v1/stored.pb.h"
 
 namespace sightline::server::durable {
@@ -14,8 +14,7 @@ std::string encode_batch(const std::vector<scenegraph::model::Update>& updates,
                          const std::vector<scenegraph::model::NodeId>& nodes) {
   sightline::stored::v1::Batch batch;
   for (const scenegraph::model::Update& update : updates) {
-    updates::encode_update(update, 0, std::numeric_limits<std::size_t>::max(),
-                           *batch.add_updates());
+    codec::encode_update(update, 0, std::numeric_limits<std::size_t>::max(), *batch.add_updates());
   }
   batch.mutable_nodes()->Assign(nodes.begin(), nodes.end());
   return batch.SerializeAsString();
@@ -25,7 +24,7 @@ Result<LoggedUpdates> decode_batch(std::string_view bytes, blobs::BlobStore& blo
   sightline::stored::v1::Batch batch;
   if (!batch.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
     return Error{Code::kDataLoss, "it is no batch of updates", "STORE_CORRUPT"};
-  auto updates = updates::decode_kept_updates(batch.updates(), blobs);
+  auto updates = codec::decode_kept_updates(batch.updates(), blobs);
   if (!updates && updates.error().reason == "MESHES_MISSING")
     return Error{Code::kDataLoss, updates.error().message, "STORE_CORRUPT"};
   if (!updates) return updates.error();

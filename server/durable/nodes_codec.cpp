@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "server/updates/scene_codec.h"
+#include "server/codec/node_codec.h"
 
 namespace sightline::server::durable {
 namespace {
@@ -70,7 +70,7 @@ void NodesWriter::list_mesh(const Listed& mesh, NodesPart& part) const {
 }
 
 void NodesWriter::write_node(const scenegraph::model::Node& node, StoredNode& stored) const {
-  updates::encode_node(node, *stored.mutable_node());
+  codec::encode_node(node, *stored.mutable_node());
   stored.mutable_node()->clear_mesh_digest();
   stored.mutable_node()->clear_patched();
   if (node.mesh != nullptr) stored.set_mesh(numbers_.at(node.mesh.get()));
@@ -126,7 +126,7 @@ Status NodesReader::add_mesh(const sightline::stored::v1::Mesh& mesh) {
 }
 
 Status NodesReader::add_node(const sightline::stored::v1::StoredNode& stored) {
-  auto node = updates::decode_node(stored.node());
+  auto node = codec::decode_node(stored.node());
   if (!node) return corrupt(node.error().message);
   if (stored.mesh() > meshes_.size()) return corrupt("a node has a mesh that is not listed");
   if (stored.mesh() > 0) {

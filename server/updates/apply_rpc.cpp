@@ -13,10 +13,10 @@
 #include <utility>
 
 #include "server/blobs/digest.h"
+#include "server/codec/update_codec.h"
 #include "server/exec/rpc_status.h"
 #include "server/scenes/write_errors.h"
 #include "server/updates/producer_messages.h"
-#include "server/updates/update_codec.h"
 
 namespace sightline::server::updates {
 namespace {
@@ -80,7 +80,7 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
     scene_ = std::move(*scene);
     if (Status loaded = scene_->load(services_.compute); !loaded) return loaded;
     // A decode error is reported later: a repeated request gets its first answer instead.
-    updates_.emplace(decode_updates(request_.updates(), services_.blobs));
+    updates_.emplace(codec::decode_updates(request_.updates(), services_.blobs));
     if (!request_.request_id().empty()) content_ = digest_of(request_.SerializeAsString());
     return {};
   }

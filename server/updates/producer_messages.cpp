@@ -7,9 +7,9 @@
 #include <iterator>
 #include <utility>
 
-#include "server/exec/rpc_status.h"
+#include "server/codec/update_codec.h"
 #include "server/scenes/history.h"
-#include "server/updates/update_codec.h"
+#include "server/exec/rpc_status.h"
 
 namespace sightline::server::updates {
 namespace {
@@ -68,7 +68,7 @@ Status UpdateBatches::append(const v1::UpdateBatch& message) {
             "BATCH_TOO_LARGE"});
     return {};
   }
-  auto updates = decode_updates(message.updates(), blobs_, batch_.updates.size());
+  auto updates = codec::decode_updates(message.updates(), blobs_, batch_.updates.size());
   if (!updates) {
     refuse(updates.error());
     return {};

@@ -10,12 +10,12 @@
 #include <utility>
 #include <vector>
 
+#include "server/codec/update_codec.h"
 #include "server/exec/call_context.h"
 #include "server/exec/malformed.h"
-#include "server/exec/rpc_status.h"
 #include "server/scenes/history.h"
+#include "server/exec/rpc_status.h"
 #include "server/updates/scene_codec.h"
-#include "server/updates/update_codec.h"
 
 namespace sightline::server::updates {
 namespace {
@@ -92,7 +92,7 @@ class PutSceneCall final : public grpc::ServerReadReactor<v1::PutSceneRequest> {
     } else if (request_.has_scene() || request_.replace()) {
       return exec::invalid_argument("only the first message may name the scene", "OPENED_TWICE");
     }
-    auto nodes = decode_nodes(request_.nodes(), services_.blobs, scene_.nodes.size());
+    auto nodes = codec::decode_nodes(request_.nodes(), services_.blobs, scene_.nodes.size());
     if (!nodes) return nodes.error();
     auto charge =
         scene_.draft->memory().reclaim_and_charge(exec::Held::kNodes, scenes::bytes_of(*nodes));

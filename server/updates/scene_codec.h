@@ -1,4 +1,4 @@
-// Decodes and encodes scenes and nodes.
+// Decodes and encodes scenes.
 #pragma once
 
 #include "accel/result.h"
@@ -18,14 +18,6 @@ void encode_info(const scenes::SceneInfo& info, v1::Scene& scene);
 /// The same, and its head and summary.
 void encode_scene(const scenes::SceneInfo& info, const scenes::RevisionToken& head,
                   const scenegraph::revision::SceneSummary& summary, v1::Scene& scene);
-/// Errors: kInvalidArgument, unless it has 12 numbers.
-Result<scenegraph::model::Affine> decode_transform(const v1::Transform& transform);
-/// Errors: kInvalidArgument.
-Result<scenegraph::model::Mobility> decode_mobility(v1::Mobility mobility);
-v1::Mobility encode_mobility(scenegraph::model::Mobility mobility);
-void encode_node(const scenegraph::model::Node& node, v1::Node& out);
-/// Without its mesh. Errors: kInvalidArgument.
-Result<scenegraph::model::Node> decode_node(const v1::Node& node);
 void encode_stats(const scenes::RevisionToken& revision,
                   const scenegraph::revision::BuildSummary& summary,
                   v1::GetSceneStatsResponse& reply);

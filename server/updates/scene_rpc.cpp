@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "scenegraph/revision/deferred_cells.h"
+#include "server/codec/node_codec.h"
 #include "server/exec/call_context.h"
 #include "server/exec/rpc_status.h"
 #include "server/exec/unary_rpc.h"
@@ -92,7 +93,8 @@ class NodesCall final : public grpc::ServerUnaryReactor {
     encode_revision(scene_->token(snapshot.revision()), *reply_.mutable_served());
     for (const std::uint64_t id : request_.ids()) {
       v1::Node& node = *reply_.add_nodes();
-      if (const scenegraph::model::Node* found = snapshot.find(id)) encode_node(*found, node);
+      if (const scenegraph::model::Node* found = snapshot.find(id))
+        codec::encode_node(*found, node);
     }
     return {};
   }

@@ -13,7 +13,7 @@
 
 #include "server/exec/rpc_status.h"
 #include "server/scenes/stored_scene.h"
-#include "server/updates/update_codec.h"
+#include "server/codec/update_codec.h"
 
 namespace sightline::server::updates {
 namespace {
@@ -46,7 +46,7 @@ class WatchCursor {
     std::size_t bytes = 0;
     while (update_ < updates_->size() && bytes < kWatchMessageBytes) {
       v1::Update& update = *out.add_updates();
-      row_ = encode_update((*updates_)[update_], row_, kWatchMessageBytes - bytes, update);
+      row_ = codec::encode_update((*updates_)[update_], row_, kWatchMessageBytes - bytes, update);
       bytes += update.ByteSizeLong();
       if (row_ == 0) ++update_;
     }

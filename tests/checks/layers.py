@@ -46,13 +46,14 @@ server/store                server/exec server/net/descriptor server/blobs/diges
 server/store/postgres       server/store server/exec server/net/descriptor server/blobs/digest accel/result
 server/blobs                server/exec server/store server/blobs/digest
                             scenegraph/model accel/result accel/geometry
-server/scenes               server/exec server/metrics server/store server/blobs server/blobs/digest
+server/codec                server/exec server/blobs server/blobs/digest scenegraph/model accel/result
+server/scenes               server/exec server/metrics server/store server/blobs server/blobs/digest server/codec
                             scenegraph/scene scenegraph/trace_options scenegraph/model scenegraph/instances
                             scenegraph/revision accel/result accel/kdtree
 server/queries              server/exec server/metrics server/scenes scenegraph/* accel/result accel/geometry proto/rays
-server/updates              server/exec server/store server/blobs server/blobs/digest server/scenes scenegraph/* accel/result
-server/durable              server/exec server/store server/store/postgres server/blobs server/blobs/digest server/scenes server/updates
-                            scenegraph/* accel/result
+server/updates              server/exec server/store server/blobs server/blobs/digest server/codec server/scenes scenegraph/* accel/result
+server/durable              server/exec server/store server/store/postgres server/blobs server/blobs/digest server/codec server/scenes
+                            server/updates scenegraph/* accel/result
 server                      server/* scenegraph/* accel/result accel/split
 
 client/*.h                  proto/rays

@@ -5,7 +5,7 @@
 
 #include <cstring>
 
-#include "server/updates/update_codec.h"
+#include "server/codec/update_codec.h"
 #include "tests/server/blobs/blob_of.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/compare_hits.h"
@@ -84,7 +84,7 @@ void Witness::take(std::uint64_t revision, const std::vector<v1::Update>& update
     findings_.add(findings_.gaps,
                   fmt::format("revision {} follows {}", revision, this->revision()));
   google::protobuf::RepeatedPtrField<v1::Update> message(updates.begin(), updates.end());
-  const auto decoded = server::updates::decode_updates(message, meshes_);
+  const auto decoded = server::codec::decode_updates(message, meshes_);
   if (!decoded) return findings_.add(findings_.other, decoded.error().message);
   Kept next = revisions_.back();
   next.revision = revision;

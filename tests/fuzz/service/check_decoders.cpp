@@ -7,6 +7,7 @@
 #include "proto/rays/generated_rays.h"
 #include "server/blobs/blob_store.h"
 #include "server/blobs/mesh_blob.h"
+#include "server/codec/update_codec.h"
 #include "server/exec/admission.h"
 #include "server/exec/memory_account.h"
 #include "server/queries/cast_query.h"
@@ -15,7 +16,6 @@
 #include "server/scenes/names.h"
 #include "server/updates/producer_messages.h"
 #include "server/updates/scene_codec.h"
-#include "server/updates/update_codec.h"
 #include "sightline/v1/blob.pb.h"
 #include "sightline/v1/query.pb.h"
 #include "sightline/v1/scene.pb.h"
@@ -35,16 +35,16 @@ server::blobs::BlobStore& no_blobs() {
 
 /// Decoding an encoded update must give the same message again.
 Wrong check_updates(const google::protobuf::RepeatedPtrField<v1::Update>& updates) {
-  const auto decoded = server::updates::decode_updates(updates, no_blobs());
+  const auto decoded = server::codec::decode_updates(updates, no_blobs());
   if (!decoded) return std::nullopt;
   google::protobuf::RepeatedPtrField<v1::Update> again;
   constexpr std::size_t kAll = std::size_t{1} << 30;
-  for (const auto& update : *decoded) server::updates::encode_update(update, 0, kAll, *again.Add());
-  const auto twice = server::updates::decode_updates(again, no_blobs());
+  for (const auto& update : *decoded) server::codec::encode_update(update, 0, kAll, *again.Add());
+  const auto twice = server::codec::decode_updates(again, no_blobs());
   if (!twice) return "an encoded update is refused: " + twice.error().message;
   for (std::size_t i = 0; i < twice->size(); ++i) {
     v1::Update third;
-    server::updates::encode_update((*twice)[i], 0, kAll, third);
+    server::codec::encode_update((*twice)[i], 0, kAll, third);
     if (third.SerializeAsString() != again[static_cast<int>(i)].SerializeAsString())
       return fmt::format("update {} is not the same when it is decoded again", i);
   }

@@ -1,5 +1,5 @@
 // Decodes and encodes updates.
-#include "server/updates/update_codec.h"
+#include "server/codec/update_codec.h"
 
 #include <fmt/format.h>
 
@@ -9,10 +9,10 @@
 #include <string>
 #include <utility>
 
+#include "server/codec/node_codec.h"
 #include "server/exec/rpc_status.h"
-#include "server/updates/scene_codec.h"
 
-namespace sightline::server::updates {
+namespace sightline::server::codec {
 namespace {
 
 using scenegraph::model::Affine;
@@ -241,4 +241,4 @@ std::size_t encode_update(const scenegraph::model::Update& update, std::size_t f
   return std::visit(Encoder{first, bytes, out}, update);
 }
 
-}  // namespace sightline::server::updates
+}  // namespace sightline::server::codec

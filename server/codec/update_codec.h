@@ -11,7 +11,7 @@
 #include "server/blobs/blob_store.h"
 #include "sightline/v1/scene.pb.h"
 
-namespace sightline::server::updates {
+namespace sightline::server::codec {
 
 inline constexpr int kMaxUpdatesPerBatch = 65536;
 inline constexpr int kMaxNodesPerPatch = 65536;
@@ -42,4 +42,4 @@ Result<std::vector<scenegraph::model::Update>> decode_kept_updates(
 std::size_t encode_update(const scenegraph::model::Update& update, std::size_t first,
                           std::size_t bytes, v1::Update& out);
 
-}  // namespace sightline::server::updates
+}  // namespace sightline::server::codec

@@ -1,0 +1,19 @@
+// Decodes and encodes nodes.
+#pragma once
+
+#include "accel/result.h"
+#include "scenegraph/model/node.h"
+#include "sightline/v1/scene.pb.h"
+
+namespace sightline::server::codec {
+
+/// Errors: kInvalidArgument, unless it has 12 numbers.
+Result<scenegraph::model::Affine> decode_transform(const v1::Transform& transform);
+/// Errors: kInvalidArgument.
+Result<scenegraph::model::Mobility> decode_mobility(v1::Mobility mobility);
+v1::Mobility encode_mobility(scenegraph::model::Mobility mobility);
+void encode_node(const scenegraph::model::Node& node, v1::Node& out);
+/// Without its mesh. Errors: kInvalidArgument.
+Result<scenegraph::model::Node> decode_node(const v1::Node& node);
+
+}  // namespace sightline::server::codec
