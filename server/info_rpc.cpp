@@ -32,6 +32,7 @@
 #include "server/scenes/names.h"
 #include "server/scenes/revision_wait.h"
 #include "server/scenes/scene_store.h"
+#include "server/scenes/update_log.h"
 #include "server/store/limits.h"
 #include "server/updates/producer_messages.h"
 #include "server/updates/scene_rpc.h"

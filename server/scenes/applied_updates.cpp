@@ -8,7 +8,7 @@
 #include <unordered_set>
 
 #include "scenegraph/instances/scene_trees.h"
-#include "server/scenes/history.h"
+#include "server/scenes/update_log.h"
 
 namespace sightline::server::scenes {
 namespace {

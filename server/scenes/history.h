@@ -1,4 +1,4 @@
-// What a scene keeps of its past: recent revisions, and the updates that made them.
+// What a scene keeps of its past: logs of bounded size, and recent revisions.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "accel/result.h"
-#include "scenegraph/model/update.h"
 #include "scenegraph/revision/snapshot.h"
 #include "server/exec/memory_account.h"
 
@@ -138,52 +136,6 @@ class RecentRevisions {
  private:
   mutable std::mutex mutex_;  // held for a few pointer copies
   History<Kept> history_;     // consecutive revisions
-};
-
-struct LogLimits {
-  std::size_t revisions = 1024;
-  std::uint64_t bytes = std::uint64_t{64} << 20;  ///< The newest revision is kept, however large.
-};
-
-/// About how many bytes the updates take.
-std::uint64_t bytes_of(const std::vector<scenegraph::model::Update>& updates);
-
-/// The updates that made the last revisions, for watches. Readers share the updates with the log.
-/// Threads: one that calls prepare() and add(), any for the other members.
-class UpdateLog {
- public:
-  using Updates = std::shared_ptr<const std::vector<scenegraph::model::Update>>;
-
-  /// Entries are charged to `memory`, also those that only readers still hold.
-  explicit UpdateLog(exec::MemoryAccount& memory, LogLimits limits = {})
-      : memory_(memory),
-        history_({.entries = limits.revisions, .weight = limits.bytes, .min_entries = 1}) {}
-
-  struct Entry {
-    Updates updates;
-    std::uint64_t bytes = 0;
-  };
-  /// Makes an entry, and reserves memory to add it and `waiting` others that were made before.
-  /// Throws std::bad_alloc, and then nothing has changed.
-  Entry prepare(std::vector<scenegraph::model::Update> updates, std::size_t waiting = 0);
-  /// Drops everything: the next revision to add is the one after this.
-  void begin_after(std::uint64_t revision);
-  /// Adds the updates of the next revision; the first revision is 1. Nodes are named by their ids.
-  void add(Entry entry) noexcept;
-
-  /// Drops all but the newest `revisions`. Returns them, to be destroyed outside a lock.
-  [[nodiscard]] std::vector<Updates> drop_all_but(std::size_t revisions) noexcept;
-
-  /// The last revision; 0 before the first.
-  std::uint64_t last() const;
-  /// Errors: kOutOfRange, naming what is kept.
-  Result<Updates> find(std::uint64_t revision) const;
-
- private:
-  exec::MemoryAccount& memory_;
-  mutable std::mutex mutex_;  // held for a few pointer copies
-  History<Updates> history_;  // consecutive revisions up to last_
-  std::uint64_t last_ = 0;
 };
 
 }  // namespace sightline::server::scenes

@@ -4,18 +4,68 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
+#include <functional>
 #include <utility>
 
 #include "server/exec/rpc_status.h"
 
 namespace sightline::server::scenes {
 
-Result<const scenegraph::Applied*> RequestAnswers::find(const std::string& id,
-                                                        std::uint64_t content) const {
-  const auto found = answers_.find(id);
-  if (found == answers_.end()) return nullptr;
-  if (found->second.content == content) return &found->second.answer;
-  return request_id_reused(id, found->second.answer.revision);
+namespace {
+
+/// What a record of an answer begins with. The ids of the nodes follow, then the request id.
+struct AnswerHeader {
+  std::uint64_t content = 0;
+  std::uint64_t revision = 0;
+  std::uint64_t nodes = 0;
+};
+
+AnswerHeader header_of(const Record& record) {
+  AnswerHeader header;
+  std::memcpy(&header, record.bytes().data(), sizeof(header));
+  return header;
+}
+
+std::string_view id_of(const Record& record) {
+  const std::size_t nodes = header_of(record).nodes * sizeof(scenegraph::model::NodeId);
+  return record.bytes().substr(sizeof(AnswerHeader) + nodes);
+}
+
+std::string bytes_of(std::string_view id, const AnswerHeader& header,
+                     const std::vector<scenegraph::model::NodeId>& nodes) {
+  std::string bytes(reinterpret_cast<const char*>(&header), sizeof(header));
+  bytes.append(reinterpret_cast<const char*>(nodes.data()), nodes.size() * sizeof(nodes[0]));
+  return bytes.append(id);
+}
+
+scenegraph::Applied answer_of(const Record& record) {
+  const AnswerHeader header = header_of(record);
+  scenegraph::Applied answer{.revision = header.revision,
+                             .nodes = std::vector<scenegraph::model::NodeId>(header.nodes)};
+  std::memcpy(answer.nodes.data(), record.bytes().data() + sizeof(header),
+              header.nodes * sizeof(answer.nodes[0]));
+  return answer;
+}
+
+}  // namespace
+
+const RequestAnswers::Entry* RequestAnswers::find_entry(std::string_view id) const {
+  const std::uint64_t digest = std::hash<std::string_view>{}(id);
+  for (std::size_t i = entries_.size(); i-- > 0;) {
+    const Entry& entry = entries_[i];
+    if (entry.digest == digest && id_of(entry.record) == id) return &entry;
+  }
+  return nullptr;
+}
+
+Result<std::optional<scenegraph::Applied>> RequestAnswers::find(std::string_view id,
+                                                                std::uint64_t content) const {
+  const Entry* const entry = find_entry(id);
+  if (entry == nullptr) return std::optional<scenegraph::Applied>();
+  const AnswerHeader header = header_of(entry->record);
+  if (header.content != content) return request_id_reused(std::string(id), header.revision);
+  return std::optional(answer_of(entry->record));
 }
 
 Error request_id_reused(const std::string& id, std::uint64_t revision) {
@@ -25,24 +75,22 @@ Error request_id_reused(const std::string& id, std::uint64_t revision) {
           "REQUEST_ID_REUSED"};
 }
 
-RequestAnswers::Entry RequestAnswers::prepare(const std::string& id, std::uint64_t content,
+RequestAnswers::Entry RequestAnswers::prepare(std::string_view id, std::uint64_t content,
                                               const scenegraph::Applied& answer,
                                               std::size_t waiting) {
-  Answers one;
-  const std::uint64_t bytes =
-      sizeof(Kept) + id.size() + answer.nodes.size() * sizeof(scenegraph::model::NodeId);
-  one.emplace(id, Kept{content, answer, memory_.record(exec::Held::kLogs, bytes)});
-  Entry entry{id, one.extract(one.begin())};
-  answers_.reserve(answers_.size() + waiting + 1);
-  ids_.reserve_more(waiting + 1);
+  const AnswerHeader header{content, answer.revision, answer.nodes.size()};
+  Entry entry{.digest = std::hash<std::string_view>{}(id),
+              .record = records_.keep(bytes_of(id, header, answer.nodes)),
+              .nodes = answer.nodes.size()};
+  entries_.reserve_more(waiting + 1);
   return entry;
 }
 
 void RequestAnswers::retain(Entry entry) noexcept {
-  if (entry.answer.empty()) return;
-  ids_.append(std::move(entry.id), entry.answer.mapped().answer.nodes.size());
-  answers_.insert(std::move(entry.answer));
-  for (const std::string& dropped : ids_.trim()) answers_.erase(dropped);
+  if (entry.record.bytes().empty()) return;
+  const std::size_t nodes = entry.nodes;
+  entries_.append(std::move(entry), nodes);
+  entries_.trim();
 }
 
 Status check_request_id(std::string_view id) {

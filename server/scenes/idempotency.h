@@ -5,15 +5,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <vector>
 
 #include "accel/result.h"
 #include "scenegraph/model/node.h"
 #include "scenegraph/scene.h"
 #include "server/scenes/history.h"
+#include "server/scenes/record_chunks.h"
 
 namespace sightline::server::scenes {
 
@@ -31,34 +32,32 @@ class RequestAnswers {
  public:
   /// Answers are charged to `memory`.
   explicit RequestAnswers(exec::MemoryAccount& memory, AnswerLimits limits = {})
-      : memory_(memory),
-        ids_({.entries = limits.answers, .weight = limits.nodes, .min_entries = 1}) {}
+      : records_(memory),
+        entries_({.entries = limits.answers, .weight = limits.nodes, .min_entries = 1}) {}
 
-  /// The answer to an earlier request of this id, or null. `content` is a digest of the request.
-  /// Errors: kInvalidArgument if the earlier request had another content.
-  Result<const scenegraph::Applied*> find(const std::string& id, std::uint64_t content) const;
-  bool knows(const std::string& id) const { return answers_.contains(id); }
-  struct Kept {
-    std::uint64_t content = 0;
-    scenegraph::Applied answer;
-    exec::MemoryAccount::Charge charge = {};
-  };
-  using Answers = std::unordered_map<std::string, Kept>;
+  /// The revision and the nodes of the answer to an earlier request of this id, if there is one.
+  /// `content` is a digest of the request. Errors: kInvalidArgument if the earlier request had
+  /// another content. Cost: a look at the digest of each id.
+  Result<std::optional<scenegraph::Applied>> find(std::string_view id, std::uint64_t content) const;
+  bool knows(std::string_view id) const { return find_entry(id) != nullptr; }
+
   struct Entry {
-    std::string id;
-    Answers::node_type answer;
+    std::uint64_t digest = 0;  ///< Of the id.
+    Record record;             ///< No bytes: nothing to keep.
+    std::size_t nodes = 0;
   };
   /// Makes an entry, and reserves memory to add it and `waiting` others that were made before.
   /// find() must not know the id. Throws std::bad_alloc, and then nothing has changed.
-  Entry prepare(const std::string& id, std::uint64_t content, const scenegraph::Applied& answer,
+  Entry prepare(std::string_view id, std::uint64_t content, const scenegraph::Applied& answer,
                 std::size_t waiting = 0);
   /// Adds an entry. The entry may be empty: then nothing happens.
   void retain(Entry entry) noexcept;
 
  private:
-  exec::MemoryAccount& memory_;
-  Answers answers_;
-  History<std::string> ids_;  // keys of answers_; weight: node ids of the answer
+  const Entry* find_entry(std::string_view id) const;
+
+  RecordChunks records_;
+  History<Entry> entries_;  // weight: node ids
 };
 
 /// kInvalidArgument: the id stands for another request, which made this revision.

@@ -63,7 +63,7 @@ Result<bool> StoredScene::find_repeat(const SceneWrite& write, const WriteLine::
       answer(known.error());
       return true;
     }
-    if (*known == nullptr) return false;
+    if (!*known) return false;
     write.repeated(**known);
     answer(Durability::kCommitted);
     return true;

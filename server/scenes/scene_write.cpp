@@ -34,7 +34,8 @@ struct StoredScene::Publication {
   exec::MemoryAccount::Charge new_nodes;  ///< Until they are in nodes_.
   Replaced replaced;
   std::uint64_t names = 0;
-  UpdateLog::Entry entry;
+  std::vector<scenegraph::model::Update> updates;
+  Record record;  // of the updates
   RequestAnswers::Entry answer;
   Producer* producer = nullptr;
   std::vector<Producer::Put> puts;
@@ -162,7 +163,8 @@ void StoredScene::prepare_publication(Publication& publication,
   publication.replaced = bytes_replaced(before, updates);
   reserve_patched(updates);
   recent_.reserve_more(waiting() + 1);
-  publication.entry = log_.prepare(std::move(updates), waiting());
+  publication.record = log_.prepare(updates, waiting());
+  publication.updates = std::move(updates);
   if (!write.request_id.empty()) {
     publication.answer = answers_.prepare(write.request_id, write.content, next, waiting());
   }
@@ -203,9 +205,8 @@ void StoredScene::publish(Publication& publication) noexcept {
   replaced.bytes += bytes_of_replaced_trees(*before, *scene_.snapshot());
   auto kept = memory_.record(exec::Held::kRevisions, replaced.bytes - replaced.meshes);
   auto dropped = recent_.account(replaced.bytes, std::move(kept));
-  const UpdateLog::Updates logged = publication.entry.updates;
-  log_.add(std::move(publication.entry));
-  remember_patched(*logged);
+  log_.add(std::move(publication.record));
+  remember_patched(publication.updates);
   const std::size_t nodes = scene_.snapshot()->node_count();
   const std::uint64_t names = name_bytes_ + publication.names;
   name_bytes_ = nodes == 0 ? 0 : names - std::min(names, replaced.names);
@@ -253,9 +254,8 @@ Result<bool> StoredScene::find_earlier(const std::string& request_id, std::uint6
                                        const Repeat& answer) {
   const auto known = answers_.find(request_id, content);
   if (!known) return known.error();
-  if (*known != nullptr) {
-    const scenegraph::Applied applied = **known;
-    answer(applied, is_kept() ? Durability::kCommitted : Durability::kRelaxed);
+  if (*known) {
+    answer(**known, is_kept() ? Durability::kCommitted : Durability::kRelaxed);
     return true;
   }
   const JournalEntry* waiting = line_ ? line_->find(request_id) : nullptr;

@@ -23,6 +23,7 @@
 #include "server/scenes/scene_events.h"
 #include "server/scenes/scene_follower.h"
 #include "server/scenes/scene_info.h"
+#include "server/scenes/update_log.h"
 #include "server/scenes/write_line.h"
 
 namespace sightline::server::scenes {

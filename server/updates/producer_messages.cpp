@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "server/codec/update_codec.h"
-#include "server/scenes/history.h"
 #include "server/exec/rpc_status.h"
+#include "server/scenes/update_log.h"
 
 namespace sightline::server::updates {
 namespace {

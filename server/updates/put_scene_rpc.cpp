@@ -13,8 +13,8 @@
 #include "server/codec/update_codec.h"
 #include "server/exec/call_context.h"
 #include "server/exec/malformed.h"
-#include "server/scenes/history.h"
 #include "server/exec/rpc_status.h"
+#include "server/scenes/update_log.h"
 #include "server/updates/scene_codec.h"
 
 namespace sightline::server::updates {

@@ -9,17 +9,15 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string_view>
 #include <utility>
 
+#include "server/codec/update_parts.h"
 #include "server/exec/rpc_status.h"
 #include "server/scenes/stored_scene.h"
-#include "server/codec/update_codec.h"
 
 namespace sightline::server::updates {
 namespace {
-
-/// About the largest size of a message.
-constexpr std::size_t kWatchMessageBytes = std::size_t{960} << 10;
 
 /// Reads a scene's log as messages of limited size, and shares its entries. Threads: one at a time.
 class WatchCursor {
@@ -36,23 +34,19 @@ class WatchCursor {
   /// The next message, if behind(). Errors: kOutOfRange, if the log no longer has the revision.
   Status next(v1::WatchSceneResponse& out) {
     out.Clear();
-    if (updates_ == nullptr) {
+    if (!begun_) {
       auto found = scene_.log().find(reached_ + 1);
       if (!found) return found.error();
-      updates_ = std::move(*found);
-      update_ = row_ = 0;
+      record_ = std::move(*found);
+      parts_ = record_.bytes();
+      begun_ = true;
     }
+    if (!parts_.empty()) codec::take_part(parts_, out);
     encode_revision(scene_.token(reached_ + 1), *out.mutable_revision());
-    std::size_t bytes = 0;
-    while (update_ < updates_->size() && bytes < kWatchMessageBytes) {
-      v1::Update& update = *out.add_updates();
-      row_ = codec::encode_update((*updates_)[update_], row_, kWatchMessageBytes - bytes, update);
-      bytes += update.ByteSizeLong();
-      if (row_ == 0) ++update_;
-    }
-    out.set_more(update_ < updates_->size());
+    out.set_more(!parts_.empty());
     if (out.more()) return {};
-    updates_.reset();
+    record_ = {};
+    begun_ = false;
     ++reached_;
     return {};
   }
@@ -67,9 +61,9 @@ class WatchCursor {
  private:
   const scenes::StoredScene& scene_;
   std::uint64_t reached_;
-  scenes::UpdateLog::Updates updates_;  // of the revision after reached_, once it is begun
-  std::size_t update_ = 0;              // the next one to encode
-  std::size_t row_ = 0;                 // the next row of that update
+  bool begun_ = false;      // with the revision after reached_
+  scenes::Record record_;   // of that revision
+  std::string_view parts_;  // of the record, not yet sent
 };
 
 /// Encodes a message on a worker, writes it, and only then encodes the next. The call holds one

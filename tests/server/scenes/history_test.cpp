@@ -1,12 +1,10 @@
-// Which entries a history keeps: revisions, and updates.
+// Which entries a history keeps.
 #include "server/scenes/history.h"
 
 #include <gtest/gtest.h>
 
 namespace sightline::server::scenes {
 namespace {
-
-constexpr std::uint64_t kRoomy = std::uint64_t{1} << 30;
 
 TEST(History, DropsTheOldestBeyondTheNumber) {
   History<int> history({.entries = 2, .weight = 100});
@@ -104,67 +102,6 @@ TEST(RecentRevisions, DropsAll) {
   EXPECT_TRUE(recent.account(5).empty());
   EXPECT_EQ(recent.retain(revision(1)), nullptr);
   EXPECT_EQ(recent.find(1)->revision(), 1u);
-}
-
-using scenegraph::model::PatchVertices;
-using scenegraph::model::Update;
-
-std::vector<Update> patch(std::size_t vertices) {
-  return {PatchVertices{{1}, 0, std::vector<accel::geometry::Vec3f>(vertices)}};
-}
-
-TEST(UpdateLog, KeepsALimitedNumber) {
-  exec::MemoryAccount memory(kRoomy);
-  UpdateLog log(memory, {.revisions = 3});
-  EXPECT_EQ(log.last(), 0u);
-  EXPECT_FALSE(log.find(0));
-  EXPECT_FALSE(log.find(1));
-  for (std::size_t i = 1; i <= 5; ++i)
-    log.add(log.prepare(std::vector<Update>(i, scenegraph::model::DeleteNode{1})));
-  EXPECT_EQ(log.last(), 5u);
-  for (std::size_t i = 3; i <= 5; ++i) EXPECT_EQ((*log.find(i))->size(), i);
-  for (const std::uint64_t outside : {0u, 2u, 6u}) {
-    const auto found = log.find(outside);
-    ASSERT_FALSE(found) << outside;
-    EXPECT_EQ(found.error().code, Code::kOutOfRange);
-    EXPECT_NE(found.error().message.find("3 to 5"), std::string::npos);
-  }
-}
-
-TEST(UpdateLog, KeepsALimitedNumberOfBytesAndAlwaysTheLastEntry) {
-  exec::MemoryAccount memory(kRoomy);
-  UpdateLog log(memory, {.revisions = 100, .bytes = 3 * bytes_of(patch(1000))});
-  for (int i = 0; i < 5; ++i) log.add(log.prepare(patch(1000)));
-  EXPECT_FALSE(log.find(2));
-  EXPECT_TRUE(log.find(3));
-  log.add(log.prepare(patch(10'000)));
-  EXPECT_FALSE(log.find(5));
-  EXPECT_TRUE(log.find(6));
-}
-
-TEST(UpdateLog, DropsAllButTheNewest) {
-  exec::MemoryAccount memory(kRoomy);
-  UpdateLog log(memory);
-  for (int i = 0; i < 5; ++i) log.add(log.prepare(patch(1000)));
-  EXPECT_EQ(memory.used(exec::Held::kLogs), 5 * bytes_of(patch(1000)));
-  auto dropped = log.drop_all_but(2);
-  EXPECT_EQ(dropped.size(), 3u);
-  EXPECT_FALSE(log.find(3));
-  EXPECT_TRUE(log.find(4));
-  EXPECT_EQ(log.last(), 5u);
-  EXPECT_EQ(memory.used(exec::Held::kLogs), 5 * bytes_of(patch(1000))) << "a reader may hold them";
-  dropped.clear();
-  EXPECT_EQ(memory.used(exec::Held::kLogs), 2 * bytes_of(patch(1000)));
-}
-
-TEST(UpdateLog, AHeldEntryOutlivesTheLog) {
-  exec::MemoryAccount memory(kRoomy);
-  UpdateLog log(memory, {.revisions = 1});
-  log.add(log.prepare(patch(7)));
-  const auto held = log.find(1);
-  log.add(log.prepare({}));
-  EXPECT_FALSE(log.find(1));
-  EXPECT_EQ(std::get<PatchVertices>((*held)->front()).positions.size(), 7u);
 }
 
 }  // namespace

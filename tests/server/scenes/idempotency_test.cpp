@@ -13,14 +13,14 @@ TEST(RequestAnswers, KeepsTheLast) {
   RequestAnswers answers(memory, {.answers = 3});
   for (std::uint64_t i = 1; i <= 5; ++i) {
     const std::string id = std::to_string(i);
-    ASSERT_EQ(*answers.find(id, i), nullptr);
+    ASSERT_FALSE(*answers.find(id, i));
     answers.retain(answers.prepare(id, i, {.revision = i, .nodes = {10 * i}}));
   }
-  EXPECT_EQ(*answers.find("2", 2), nullptr);
+  EXPECT_FALSE(*answers.find("2", 2));
   for (std::uint64_t i = 3; i <= 5; ++i) {
     const auto found = answers.find(std::to_string(i), i);
     ASSERT_TRUE(found);
-    ASSERT_NE(*found, nullptr);
+    ASSERT_TRUE(*found);
     EXPECT_EQ((*found)->revision, i);
     EXPECT_EQ((*found)->nodes.front(), 10 * i);
   }
@@ -33,12 +33,12 @@ TEST(RequestAnswers, KeepsFewerOfManyNodes) {
     answers.retain(
         answers.prepare(std::to_string(i), i,
                         {.revision = i, .nodes = std::vector<scenegraph::model::NodeId>(40)}));
-  EXPECT_EQ(*answers.find("2", 2), nullptr);
-  EXPECT_NE(*answers.find("3", 3), nullptr);
+  EXPECT_FALSE(*answers.find("2", 2));
+  EXPECT_TRUE(*answers.find("3", 3));
   answers.retain(answers.prepare(
       "5", 5, {.revision = 5, .nodes = std::vector<scenegraph::model::NodeId>(1000)}));
-  EXPECT_EQ(*answers.find("4", 4), nullptr);
-  EXPECT_NE(*answers.find("5", 5), nullptr);
+  EXPECT_FALSE(*answers.find("4", 4));
+  EXPECT_TRUE(*answers.find("5", 5));
   EXPECT_GE(memory.used(exec::Held::kLogs), 1000 * sizeof(scenegraph::model::NodeId));
   EXPECT_LT(memory.used(exec::Held::kLogs), 1100 * sizeof(scenegraph::model::NodeId))
       << "what is not kept is not charged";

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/codec/update_parts.h"
 #include "tests/scenegraph/put_node.h"
 #include "tests/support/scenes.h"
 
@@ -10,7 +11,6 @@ namespace sightline::server::scenes {
 namespace {
 
 using scenegraph::model::PatchVertices;
-using scenegraph::model::PutNode;
 using scenegraph::model::Update;
 
 class StoredSceneTest : public testing::Test {
@@ -33,7 +33,11 @@ TEST_F(StoredSceneTest, AnUpdateIsInTheLogBeforeListenersAreNotified) {
   });
   ASSERT_TRUE(apply({tests::put_node(-1, 0, nullptr)}));
   EXPECT_EQ(seen, 1u);
-  EXPECT_EQ(std::get<PutNode>((*scene_->log().find(1))->front()).node, 1);
+  const Record record = *scene_->log().find(1);
+  std::string_view parts = record.bytes();
+  v1::WatchSceneResponse logged;
+  codec::take_part(parts, logged);
+  EXPECT_EQ(logged.updates(0).put_node().node(), 1);
   EXPECT_FALSE(apply({tests::put_node(99, 0, nullptr)}));
   EXPECT_EQ(scene_->log().last(), 1u) << "a failed update is not in the log";
   scene_->events().unsubscribe(listener);
