@@ -141,6 +141,8 @@ void StateMetrics::add_to(Samples& samples) const {
   add_quotas(samples, quotas.tallies());
   samples.add_counter("tree_evictions_total", "Scenes and meshes whose trees were dropped.",
                       number(reclaimer.evictions()));
+  samples.add_counter("scenes_unloaded_total", "Scenes that are read again when they are used.",
+                      number(scenes.unloaded()));
   if (store != nullptr) add_store(samples, store->figures());
   if (follower) add_follower(samples, *follower);
   if (tls != nullptr) {

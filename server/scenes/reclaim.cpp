@@ -17,6 +17,12 @@ namespace sightline::server::scenes {
 void free_dropped_trees() { accel::kdtree::reclaim(); }
 
 void Reclaimer::measure() {
+  const std::lock_guard lock(mutex_);
+  measure_alone();
+}
+
+/// With the mutex held: while this looks at scenes, none could be unloaded.
+void Reclaimer::measure_alone() {
   std::uint64_t bytes = 0;
   for (const auto& scene : scenes_.by_last_cast()) bytes += scene->placed_tree_bytes();
   memory_.set_scene_trees(bytes);
@@ -50,12 +56,11 @@ std::uint64_t Reclaimer::evict_to_low_water() {
 void Reclaimer::reclaim(std::uint64_t bytes) {
   const std::lock_guard lock(mutex_);
   accel::kdtree::reclaim();
-  measure();
+  measure_alone();
   if (fits(bytes)) return;  // another thread has made room
   const std::uint64_t before = memory_.used();
-  const auto scenes = scenes_.by_last_cast();
   const auto each_scene = [&](auto drop) {
-    for (const auto& scene : scenes) {
+    for (const auto& scene : scenes_.by_last_cast()) {
       if (fits(bytes)) return;
       drop(*scene);
     }
@@ -63,16 +68,17 @@ void Reclaimer::reclaim(std::uint64_t bytes) {
   while (!fits(bytes) && blobs_.drop_set_aside()) {
   }
   each_scene([](StoredScene& scene) { scene.drop_old_revisions(); });
-  measure();
+  measure_alone();
   drop_unused_meshes(bytes, blobs::Unused::kStale);
   each_scene([](StoredScene& scene) { scene.drop_old_updates(); });
   if (!fits(bytes)) evict_pieces(bytes);
   each_scene([this](StoredScene& scene) { tree_dropped(scene.drop_trees()); });
   drop_unused_meshes(bytes, blobs::Unused::kAny);
+  while (!fits(bytes) && scenes_.unload_one()) drop_unused_meshes(bytes, blobs::Unused::kAny);
   while (!fits(bytes) && blobs_.drop_idle()) {
   }
   accel::kdtree::reclaim();
-  measure();
+  measure_alone();
   if (memory_.used() >= before) return;
   // Freed blocks in the middle of the heap are otherwise kept.
   malloc_trim(0);

@@ -31,8 +31,9 @@ class Reclaimer {
   /// Drops, until `bytes` more fit into the budget or nothing is left: uploads set aside; old
   /// revisions; meshes that no scene uses, unless they are fresh; updates beyond kMinLogged
   /// revisions; pieces of meshes' trees, the least valuable first (scenegraph/model/eviction.h);
-  /// the trees of scenes, those first at which rays were cast longest ago; fresh meshes; uploads
-  /// without progress. May take long; a second thread waits for the first.
+  /// the trees of scenes, those first at which rays were cast longest ago; fresh meshes; scenes
+  /// that no call uses and that can be read again, with their meshes; uploads without progress. May
+  /// take long; a second thread waits for the first.
   void reclaim(std::uint64_t bytes);
 
   /// Evicts pieces of trees until these are at their low water mark. Returns the bytes evicted.
@@ -42,6 +43,7 @@ class Reclaimer {
   std::uint64_t evictions() const { return evictions_.load(); }
 
  private:
+  void measure_alone();
   bool fits(std::uint64_t bytes) const;
   void drop_unused_meshes(std::uint64_t bytes, blobs::Unused which);
   void tree_dropped(std::uint64_t bytes);

@@ -15,10 +15,10 @@ constexpr std::size_t kLargestChunk = std::size_t{1} << 16;
 }  // namespace
 
 struct RecordChunks::Chunk {
-  Chunk(exec::MemoryAccount& memory, std::size_t bytes)
-      : bytes(std::make_unique_for_overwrite<char[]>(bytes)),
-        size(bytes),
-        charge(memory.record(exec::Held::kLogs, bytes)) {}
+  Chunk(exec::MemoryAccount& memory, std::size_t capacity)
+      : bytes(std::make_unique_for_overwrite<char[]>(capacity)),
+        size(capacity),
+        charge(memory.record(exec::Held::kLogs, capacity)) {}
 
   std::unique_ptr<char[]> bytes;
   std::size_t size;

@@ -2,6 +2,7 @@
 #include "server/scenes/scene_store.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <utility>
@@ -147,6 +148,25 @@ Status SceneStore::remove(const std::string& name) {
   }
   (*removed)->remove();
   return {};  // `removed` may free large trees, outside the lock
+}
+
+bool SceneStore::unload_one() {
+  std::shared_ptr<StoredScene> unloaded;  // its snapshot is freed outside the lock
+  const std::lock_guard lock(mutex_);
+  std::shared_ptr<StoredScene>* oldest = nullptr;
+  for (auto& [name, scene] : scenes_) {
+    const std::shared_ptr<StoredScene> looked_at = scene;  // sees what its last user has written
+    if (scene.use_count() > 2 || !scene->is_idle()) continue;
+    if (oldest == nullptr || scene->last_cast() < (*oldest)->last_cast()) oldest = &scene;
+  }
+  if (oldest == nullptr) return false;
+  KeptScene kept = (*oldest)->kept();
+  kept.unread = (*oldest)->snapshot()->revision();
+  unloaded = std::make_shared<StoredScene>((*oldest)->info(), memory_, std::move(kept));
+  unloaded.swap(*oldest);
+  ++unloaded_;
+  spdlog::info("event=scene_unloaded scene={}", unloaded->info().name);
+  return true;
 }
 
 void SceneStore::retry_writes() const {

@@ -1,7 +1,9 @@
 // The scenes of the server by name.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
@@ -80,6 +82,13 @@ class SceneStore {
   /// All scenes, by number.
   std::map<store::SceneId, std::shared_ptr<StoredScene>> by_number() const;
 
+  /// Puts one that is not loaded in the place of the scene cast at longest ago, of those that are
+  /// kept and that no call uses: the next call reads it again, as after a restart. Returns whether
+  /// there was one.
+  bool unload_one();
+  /// How many scenes unload_one() has unloaded.
+  std::uint64_t unloaded() const { return unloaded_.load(); }
+
   /// StoredScene::retry_writes() of all scenes.
   void retry_writes() const;
   /// StoredScene::flush() of all scenes.
@@ -98,6 +107,7 @@ class SceneStore {
 
   exec::MemoryAccount& memory_;
   SceneKeeper* const keeper_;
+  std::atomic<std::uint64_t> unloaded_{0};
   std::mutex changing_;  // held while a scene is created or removed
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<StoredScene>> scenes_;

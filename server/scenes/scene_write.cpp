@@ -306,7 +306,8 @@ void StoredScene::remember_patched(const std::vector<scenegraph::model::Update>&
   }
 }
 
-/// Freeing old revisions and settling may take long, and no reply waits for them.
+/// Freeing old revisions and settling may take long, and no reply waits for them. A scene may be
+/// unloaded before.
 void StoredScene::settle_later(Dropped dropped, bool settle) noexcept {
   try {
     {
@@ -314,7 +315,9 @@ void StoredScene::settle_later(Dropped dropped, bool settle) noexcept {
       dropped_.push_back(std::move(dropped));
     }
     compute_.load(std::memory_order_acquire)
-        ->enqueue_background([self = shared_from_this(), settle] {
+        ->enqueue_background([scene = weak_from_this(), settle] {
+          const auto self = scene.lock();
+          if (self == nullptr) return;
           self->free_dropped();
           // What could not be refused any more when it was recorded.
           static_cast<void>(self->memory_.reclaim(exec::Held::kLogs, 0));

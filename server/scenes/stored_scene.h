@@ -129,6 +129,9 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   void when_committed(WriteLine::Committed then);
   Producers& producers() { return producers_; }
 
+  /// Whether all that the scene holds is in its journal. Only while no task and no call has it.
+  bool is_idle() const { return is_kept() && loaded() && !removed() && waiting() == 0; }
+
   /// Tries again to store writes that were acknowledged before, if there are any. Threads: any.
   void retry_writes();
   /// Waits until all writes so far are committed or answered with an error, at most until then.
