@@ -156,7 +156,7 @@ TEST(SceneEviction, BatchesRunWhileTreesAreEvicted) {
   std::atomic<int> casting{2};
   std::atomic<int> wrong{0};
   const auto cast_all = [&](Growth growth) {
-    for (int turn = 0; turn < 8; ++turn) {
+    for (int turn = 0; turn < 8 || of.memory->evictions() == 0; ++turn) {
       if (!are_equal(of.cast(rays, growth), expected)) ++wrong;
     }
     --casting;
@@ -168,7 +168,6 @@ TEST(SceneEviction, BatchesRunWhileTreesAreEvicted) {
   one.join();
   other.join();
   EXPECT_EQ(wrong, 0);
-  EXPECT_GT(of.memory->evictions(), 0u);
 }
 
 TEST(SceneEviction, ADroppedTreeGivesItsBytesBack) {

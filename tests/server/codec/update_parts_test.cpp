@@ -21,8 +21,9 @@ using scenegraph::model::Update;
 TEST(UpdateParts, NoUpdatesAreNoParts) { EXPECT_TRUE(encode_parts({}).empty()); }
 
 TEST(UpdateParts, SmallUpdatesShareAPart) {
-  const std::string encoded =
-      encode_parts({DeleteNode{3, true}, PutNode{.node = 4, .name = "four"}, DeleteNode{}});
+  PutNode put;
+  put.name = "four";
+  const std::string encoded = encode_parts({DeleteNode{3, true}, put, DeleteNode{}});
   std::string_view parts = encoded;
   v1::WatchSceneResponse part;
   part.set_more(true);
