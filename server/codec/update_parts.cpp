@@ -1,6 +1,8 @@
 // Each part is the size of a message, in the machine's order of bytes, and the message.
 #include "server/codec/update_parts.h"
 
+#include <google/protobuf/arena.h>
+
 #include <cassert>
 #include <cstdint>
 #include <cstring>
@@ -20,7 +22,9 @@ void append(const v1::WatchSceneResponse& part, std::string& parts) {
 
 std::string encode_parts(const std::vector<scenegraph::model::Update>& updates) {
   std::string parts;
-  v1::WatchSceneResponse part;
+  // Outside an arena a repeated field loses the message that it adds if its list cannot grow.
+  google::protobuf::Arena arena;
+  auto& part = *google::protobuf::Arena::CreateMessage<v1::WatchSceneResponse>(&arena);
   std::size_t bytes = 0;
   const auto end_part = [&] {
     append(part, parts);
