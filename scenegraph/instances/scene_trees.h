@@ -70,7 +70,7 @@ class RemovedFilter {
 struct Tier {
   std::shared_ptr<const SceneTree> tree{};
   std::shared_ptr<const RemovedFilter> removed{};  ///< Null: none.
-  /// The last revision whose changes it holds; the static tree: 0.
+  /// The last revision whose changes it holds; the static tree: 0 until others are merged into it.
   std::uint64_t last = 0;
   /// When it was made: the nodes that had changed; in the static tree the instances, once rays have
   /// opened it.

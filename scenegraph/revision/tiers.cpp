@@ -235,13 +235,12 @@ std::optional<TierRange> due_dynamic_merge(const Snapshot& snapshot, const Merge
 Tier merged(const Snapshot& base, TierRange range) {
   const std::span<const Tier> all = base.shared_trees().tiers;
   const std::span<const Tier> old = all.subspan(range.first, range.end - range.first);
-  Tier tier;
+  Tier tier{.last = old.back().last};
   if (range.first == 0) {
     hierarchy::Hierarchy hierarchy = base.hierarchy();
-    hierarchy.changed_at = changes_after(hierarchy.changed_at, old.back().last);
+    hierarchy.changed_at = changes_after(hierarchy.changed_at, tier.last);
     tier.tree = std::make_shared<const SceneTree>(std::move(hierarchy), std::nullopt);
   } else {
-    tier.last = old.back().last;
     tier.nodes = count_staying(old);
     tier.tree = std::make_shared<const SceneTree>(
         old.back().tree->hierarchy(),

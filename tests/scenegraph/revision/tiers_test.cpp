@@ -119,6 +119,38 @@ TEST(Tiers, ThereAreFewEvenIfNoneIsMergedInTheBackground) {
   expect_as_oracle(scene.snapshot(), 6);
 }
 
+/// The static merge is published while trees that are older than it wait for theirs: their
+/// hierarchies still tell of changes that are static by now.
+TEST(Merge, ADynamicOneAfterAStaticOneKeepsNodesBelowOnesThatBecameStatic) {
+  Scene scene(kManySmall);
+  std::vector<model::Update> updates;
+  model::PutNode group;
+  group.node = -1;
+  updates.emplace_back(group);
+  for (int i = 2; i <= 11; ++i)
+    updates.emplace_back(mesh_node(-i, 10.0 * i, model::Mobility::kStatic, -1));
+  for (int i = 12; i <= 40; ++i) updates.emplace_back(mesh_node(-i, 10.0 * i));
+  ASSERT_TRUE(scene.apply(updates));
+  const auto revise = [&](const model::SetTransforms& set) {
+    cast_one(scene);
+    ASSERT_TRUE(scene.apply({set}));
+    cast_one(scene);
+  };
+  revise({{1}, {at(0, 0.3)}});  // the group, and all below it
+  const auto base = scene.snapshot();
+  revise(move(20, 8, 0));
+  revise(move(2, 4, 1));  // some of those below
+  revise(move(30, 2, 2));
+  ASSERT_EQ(scene.snapshot()->shared_trees().tiers.size(), 5U);
+  const TierRange resting{0, 2}, later{1, 3};
+  const auto with_static = with_merged(*scene.snapshot(), *base, resting, merged(*base, resting));
+  expect_as_oracle(with_static, 11);
+  const auto with_both =
+      with_merged(*with_static, *with_static, later, merged(*with_static, later));
+  ASSERT_EQ(with_both->shared_trees().tiers.size(), 3U);
+  expect_as_oracle(with_both, 12);
+}
+
 TEST(Merge, BringsRestingNodesBackToTheStaticTree) {
   constexpr int kNodes = 40;
   Scene scene(kManySmall);
