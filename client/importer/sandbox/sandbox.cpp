@@ -25,6 +25,7 @@
 #include "client/importer/sandbox/channel.h"
 #include "client/importer/sandbox/confine.h"
 #include "client/importer/sandbox/folder.h"
+#include "client/importer/sandbox/stuck.h"
 
 namespace sightline::client::importer::sandbox {
 namespace {
@@ -34,6 +35,10 @@ using Clock = std::chrono::steady_clock;
 // A child that waits for something that never comes uses no processor time. On a busy machine it
 // may take much longer than that.
 constexpr int kWallPerProcessorTime = 8;
+
+// How often a silent child is looked at, and how many children are replaced if they are stuck.
+constexpr std::chrono::milliseconds kLook{100};
+constexpr int kMostStuck = 3;
 
 // What this process holds already counts for a child that is forked from it.
 std::uint64_t data_bytes() {
@@ -92,8 +97,9 @@ class Child {
     return {};
   }
 
-  /// Serves the child until it is done or dead.
-  void serve(const std::function<void(double)>& progress) {
+  /// Serves the child until it is done or dead or, if it may be replaced, stuck.
+  void serve(const std::function<void(double)>& progress, bool replaceable) {
+    replaceable_ = replaceable;
     Request request;
     while (wait_for_request() && receive(channel_.get(), request)) {
       if (request.kind == Request::Kind::kProgress) {
@@ -107,6 +113,8 @@ class Child {
     }
     status_ = end();
   }
+
+  bool stuck() const { return stuck_; }
 
   Result<Outcome> outcome() const {
     if (last_ && last_->kind == Request::Kind::kDone) return result(last_->bytes);
@@ -148,14 +156,17 @@ class Child {
 
   bool wait_for_request() {
     const auto end = started_ + std::chrono::seconds(kWallPerProcessorTime * seconds());
+    StuckWatch watch;
     for (;;) {
-      const auto rest = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now()).count();
+      const auto rest = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
+      const auto wait = std::clamp(rest, rest.zero(), kLook);
       pollfd ready{channel_.get(), POLLIN, 0};
-      const int count = ::poll(&ready, 1, static_cast<int>(std::clamp<long>(rest, 0, 1 << 30)));
+      const int count = ::poll(&ready, 1, static_cast<int>(wait.count()));
       if (count > 0) return true;
       if (count < 0 && errno == EINTR) continue;
-      out_of_time_ = count == 0;
-      return false;
+      out_of_time_ = count < 0 || rest <= rest.zero();
+      stuck_ = !out_of_time_ && replaceable_ && watch.is_stuck(process_);
+      if (out_of_time_ || stuck_) return false;
     }
   }
 
@@ -164,7 +175,7 @@ class Child {
     if (process_ <= 0) return {};
     channel_.close();
     const bool is_done = last_ && last_->kind == Request::Kind::kDone;
-    if (out_of_time_ || is_done) ::kill(process_, SIGKILL);
+    if (out_of_time_ || stuck_ || is_done) ::kill(process_, SIGKILL);
     int status = 0;
     pid_t ended = 0;
     do {
@@ -204,6 +215,7 @@ class Child {
   std::optional<Request> last_;
   std::optional<int> status_;
   bool out_of_time_ = false;
+  bool replaceable_ = false, stuck_ = false;
 };
 
 }  // namespace
@@ -227,12 +239,14 @@ MappedBytes::~MappedBytes() {
 Result<Outcome> run(const std::filesystem::path& file, const Limits& limits,
                     const std::function<void(double)>& progress,
                     const std::function<void(Inside&)>& work) {
-  auto folder = SceneFolder::open(file);
-  if (!folder) return folder.error();
-  Child child(file, *std::move(folder), limits);
-  if (const Status started = child.start(work); !started) return started.error();
-  child.serve(progress);
-  return child.outcome();
+  for (int stuck = 0;; ++stuck) {
+    auto folder = SceneFolder::open(file);
+    if (!folder) return folder.error();
+    Child child(file, *std::move(folder), limits);
+    if (const Status started = child.start(work); !started) return started.error();
+    child.serve(progress, stuck < kMostStuck);
+    if (!child.stuck()) return child.outcome();
+  }
 }
 
 }  // namespace sightline::client::importer::sandbox

@@ -12,9 +12,12 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "tests/client/support/temp_dir.h"
@@ -137,6 +140,36 @@ TEST(Sandbox, LimitsProcessorTime) {
                                 while (forever) {
                                 }
                               },
+                              {.time_us = {.fixed = 1, .per_byte = 1}});
+  EXPECT_TRUE(holds(error_of(outcome), "takes more than the 1 s")) << error_of(outcome);
+}
+
+// A thread of the parent may hold a lock of the allocator at the moment of the fork.
+TEST(Sandbox, ReplacesAChildThatWaitsForALockOfItsParent) {
+  const TempDir dir;
+  std::mutex lock;
+  std::unique_lock held(lock);
+  int children = 0;
+  const auto outcome = run(
+      dir.write("a.obj", ""), {},
+      [&](double) {
+        if (++children == 2) held.unlock();
+      },
+      [&](Inside& inside) {
+        inside.progress(0);
+        lock.lock();
+        inside.write("out", 3);
+        inside.finish();
+      });
+  ASSERT_TRUE(outcome) << error_of(outcome);
+  EXPECT_EQ(text_of(*outcome), "out");
+  EXPECT_EQ(children, 3);
+}
+
+TEST(Sandbox, LimitsTimeOfAChildThatWaits) {
+  const TempDir dir;
+  const auto outcome = run_on(dir.write("a.obj", ""),
+                              [](Inside&) { std::this_thread::sleep_for(std::chrono::hours(1)); },
                               {.time_us = {.fixed = 1, .per_byte = 1}});
   EXPECT_TRUE(holds(error_of(outcome), "takes more than the 1 s")) << error_of(outcome);
 }
