@@ -17,6 +17,7 @@
 #include <string>
 #include <utility>
 
+#include "accel/kdtree/last_use.h"
 #include "scenegraph/query/packet_caster.h"
 #include "scenegraph/query/pencil_caster.h"
 #include "scenegraph/query/ray_blocks.h"
@@ -55,6 +56,7 @@ template <class Answer>
 Result<TraceStats> trace_blocks(const revision::Snapshot& snapshot, QueryKind kind,
                                 const RayColumns& rays, std::size_t rays_per_block,
                                 const TraceOptions& options, const Answer& answer) {
+  accel::kdtree::begin_batch();
   Result<TraceStats> built = options.growth == Growth::kFull
                                  ? build_all(snapshot, options.cancelled, options.progress)
                                  : TraceStats{};

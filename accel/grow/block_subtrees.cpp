@@ -40,8 +40,7 @@ Grown BlockSubtrees::join(const kdtree::Plane& cut, const Grown& left, const Gro
 
 kdtree::Slot BlockSubtrees::compile(const Grown& grown) {
   if (grown.node == nullptr) return grown.slot;
-  return context_.tree.finish(
-      std::make_unique<const wide::WideTree>(*grown.node, *context_.center));
+  return context_.tree.finish(std::make_unique<wide::WideTree>(*grown.node, *context_.center));
 }
 
 kdtree::Slot BlockSubtrees::compile_all(const Grown& grown) {
@@ -49,8 +48,7 @@ kdtree::Slot BlockSubtrees::compile_all(const Grown& grown) {
   constexpr std::size_t kLarge = std::size_t{1} << 14;
   if (grown.node == nullptr || arena_.bytes_of_words() < kLarge) return compile(grown);
   const std::size_t kept = arena_.bytes_of_words();
-  auto tree =
-      std::make_unique<const wide::WideTree>(*grown.node, *context_.center, arena_.take_words());
+  auto tree = std::make_unique<wide::WideTree>(*grown.node, *context_.center, arena_.take_words());
   held_.shrink(held_.bytes() - std::min<std::uint64_t>(kept, held_.bytes()));
   return context_.tree.finish(std::move(tree));
 }

@@ -16,6 +16,8 @@ constexpr std::uint64_t kReclaimBytes = std::uint64_t{1} << 20;
 /// that ended.
 struct alignas(64) ThreadSlot {
   std::atomic<std::uint64_t> epoch{kIdle};
+  /// When the walk began that the thread is in: at `epoch` or before.
+  std::atomic<std::uint64_t> walk{kIdle};
   std::atomic<bool> taken{true};
   ThreadSlot* next = nullptr;
 };
@@ -67,14 +69,22 @@ void push(Domain& d, Retirable* first, Retirable* last) {
   }
 }
 
-/// The oldest epoch that a thread is pinned to.
-std::uint64_t oldest_epoch(Domain& d) {
+/// The oldest epochs that a thread is pinned to, and that a walk began in.
+struct Oldest {
+  std::uint64_t pin = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t walk = std::numeric_limits<std::uint64_t>::max();
+};
+
+Oldest oldest_epochs(Domain& d) {
   // A thread that pins from here on reads the new epoch, and cannot reach objects retired before.
   d.epoch.fetch_add(1, std::memory_order_seq_cst);
-  std::uint64_t oldest = std::numeric_limits<std::uint64_t>::max();
+  Oldest oldest;
   for (ThreadSlot* p = d.slots.load(std::memory_order_acquire); p != nullptr; p = p->next) {
-    const std::uint64_t e = p->epoch.load(std::memory_order_seq_cst);
-    if (e != kIdle) oldest = std::min(oldest, e);
+    // A pin that is seen was published after its walk.
+    const std::uint64_t pin = p->epoch.load(std::memory_order_seq_cst);
+    const std::uint64_t walk = p->walk.load(std::memory_order_seq_cst);
+    if (pin != kIdle) oldest.pin = std::min(oldest.pin, pin);
+    if (walk != kIdle) oldest.walk = std::min(oldest.walk, walk);
   }
   return oldest;
 }
@@ -82,13 +92,13 @@ std::uint64_t oldest_epoch(Domain& d) {
 /// Frees the objects that no pinned thread can reach, and puts back the others.
 void free_unseen(Domain& d) {
   Retirable* list = d.waiting.exchange(nullptr, std::memory_order_acquire);
-  const std::uint64_t oldest = oldest_epoch(d);
+  const Oldest oldest = oldest_epochs(d);
   Retirable *kept = nullptr, *last_kept = nullptr;
   std::uint64_t objects = 0, bytes = 0;
   while (list != nullptr) {
     Retirable* const r = list;
     list = r->next;
-    if (r->epoch < oldest) {
+    if (r->epoch < (r->for_walks ? oldest.walk : oldest.pin)) {
       d.bytes.fetch_sub(r->bytes, std::memory_order_relaxed);
       d.objects.fetch_sub(1, std::memory_order_relaxed);
       r->free(r);
@@ -115,12 +125,15 @@ void try_to_free(Domain& d) {
   d.reclaiming.clear(std::memory_order_release);
 }
 
-void enter(ThisThread& t) {
+/// Pins the thread; a walk that it is in goes on.
+void pin(ThisThread& t) {
   const Domain& d = domain();
   // The epoch is read again after the pin is published. A thread that frees without seeing this pin
   // has advanced the epoch first; then the second read makes its unlinking visible here.
   std::uint64_t epoch = d.epoch.load(std::memory_order_seq_cst);
   for (;;) {
+    if (t.slot->walk.load(std::memory_order_relaxed) == kIdle)
+      t.slot->walk.store(epoch, std::memory_order_relaxed);
     t.slot->epoch.store(epoch, std::memory_order_seq_cst);
     const std::uint64_t now = d.epoch.load(std::memory_order_seq_cst);
     if (now == epoch) return;
@@ -128,7 +141,9 @@ void enter(ThisThread& t) {
   }
 }
 
-void leave(ThisThread& t) {
+void end_walk(ThisThread& t) { t.slot->walk.store(kIdle, std::memory_order_release); }
+
+void unpin(ThisThread& t) {
   t.slot->epoch.store(kIdle, std::memory_order_release);
   if (!t.due) return;
   t.due = false;
@@ -140,23 +155,37 @@ void leave(ThisThread& t) {
 
 EpochPin::EpochPin() {
   ThisThread& t = this_thread();
-  if (t.depth++ == 0) enter(t);
+  if (t.depth++ == 0) pin(t);
 }
 
 EpochPin::~EpochPin() {
   ThisThread& t = this_thread();
-  if (--t.depth == 0) leave(t);
+  if (--t.depth > 0) return;
+  end_walk(t);
+  unpin(t);
 }
 
 void EpochPin::renew() {
   ThisThread& t = this_thread();
-  const std::uint64_t pinned = t.slot->epoch.load(std::memory_order_relaxed);
-  if (t.depth > 1 || (!t.due && pinned == domain().epoch.load(std::memory_order_relaxed))) return;
-  leave(t);
-  enter(t);
+  // The pin is as old as the walk, or newer.
+  const std::uint64_t oldest = t.slot->walk.load(std::memory_order_relaxed);
+  if (t.depth > 1 || (!t.due && oldest == domain().epoch.load(std::memory_order_relaxed))) return;
+  end_walk(t);
+  unpin(t);
+  pin(t);
 }
 
-void retire(Retirable& object, void (*free)(Retirable*), std::uint64_t bytes, bool soon) {
+void EpochPin::renew_for_cells() {
+  ThisThread& t = this_thread();
+  const std::uint64_t pinned = t.slot->epoch.load(std::memory_order_relaxed);
+  if (t.depth > 1 || (!t.due && pinned == domain().epoch.load(std::memory_order_relaxed))) return;
+  unpin(t);
+  pin(t);
+}
+
+namespace {
+
+void retire_from_now(Retirable& object, void (*free)(Retirable*), std::uint64_t bytes, bool soon) {
   Domain& d = domain();
   ThisThread& t = this_thread();
   t.bytes += bytes;
@@ -170,6 +199,18 @@ void retire(Retirable& object, void (*free)(Retirable*), std::uint64_t bytes, bo
   if (objects >= d.due_objects.load(std::memory_order_relaxed) ||
       all_bytes >= d.due_bytes.load(std::memory_order_relaxed))
     try_to_free(d);
+}
+
+}  // namespace
+
+void retire(Retirable& object, void (*free)(Retirable*), std::uint64_t bytes, bool soon) {
+  object.for_walks = false;
+  retire_from_now(object, free, bytes, soon);
+}
+
+void retire_for_walks(Retirable& object, void (*free)(Retirable*), std::uint64_t bytes) {
+  object.for_walks = true;
+  retire_from_now(object, free, bytes, false);
 }
 
 std::uint64_t retired_bytes() { return domain().bytes.load(std::memory_order_relaxed); }

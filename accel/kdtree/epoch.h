@@ -16,6 +16,9 @@ class EpochPin {
   /// As leaving and entering again, if something waits for that: call it between rays, where
   /// nothing is used any more that was read under the pin. No effect under an outer pin.
   void renew();
+  /// As above for what retire() takes alone: what was retired for walks is kept since the pin was
+  /// made or renewed. Call it within a walk, where no cell is used any more.
+  void renew_for_cells();
   EpochPin(const EpochPin&) = delete;
   EpochPin& operator=(const EpochPin&) = delete;
 };
@@ -26,12 +29,17 @@ struct Retirable {
   std::uint64_t bytes = 0;
   std::uint64_t epoch = 0;
   Retirable* next = nullptr;
+  bool for_walks = false;
 };
 
 /// Calls `free(&object)` once no pin is left that may have read the object. Call it once, after new
 /// readers can no longer reach the object. Allocates nothing and never waits. Threads: any.
 /// `soon`: when the thread's pin is left it frees what it can, however few bytes wait.
 void retire(Retirable& object, void (*free)(Retirable*), std::uint64_t bytes, bool soon = false);
+
+/// As above for what walks keep pointers to beyond a cell: EpochPin::renew_for_cells() does not let
+/// it go.
+void retire_for_walks(Retirable& object, void (*free)(Retirable*), std::uint64_t bytes);
 
 /// Bytes retired and not yet freed.
 std::uint64_t retired_bytes();

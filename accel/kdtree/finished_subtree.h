@@ -2,16 +2,20 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "accel/kdtree/epoch.h"
+#include "accel/kdtree/last_use.h"
 
 namespace sightline::accel::kdtree {
 
 struct TreeMetrics;
 struct GrowthMetrics;
+struct ListBytes;
 
-/// Belongs to the tree whose slot leads to it (KdTree::finish). Never changes. Threads: any.
+/// Belongs to the tree whose slot leads to it (KdTree::finish). Never changes but for its last use.
+/// Threads: any.
 class alignas(8) FinishedSubtree : public Retirable {
  public:
   FinishedSubtree() = default;
@@ -21,6 +25,14 @@ class alignas(8) FinishedSubtree : public Retirable {
 
   /// All memory that it takes.
   virtual std::uint64_t size_in_bytes() const = 0;
+
+  /// The ids of its references; some several times. Throws std::bad_alloc.
+  virtual std::vector<std::uint32_t> ids() const = 0;
+
+  /// By rays that entered it from its slot.
+  LastUse last_use;
+  /// Of its tree.
+  std::shared_ptr<ListBytes> account;
 
   /// Adds its nodes and leaves. `root_area`: half the area of the tree's bounds; `depth`: of its
   /// slot.

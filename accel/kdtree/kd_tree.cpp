@@ -17,13 +17,21 @@ constexpr std::uint64_t kRetiredBytesPerReference = 8;
 void delete_cell(Retirable* retired) {
   auto* const cell = static_cast<DeferredCell*>(retired);
   cell->account->retired.fetch_sub(cell->size_in_bytes(), std::memory_order_relaxed);
+  cell->account->free_retired(cell->size_in_bytes());
   delete cell;
+}
+
+void delete_subtree(Retirable* retired) {
+  auto* const subtree = static_cast<FinishedSubtree*>(retired);
+  subtree->account->free_retired(subtree->size_in_bytes());
+  delete subtree;
 }
 
 /// That a cell waits, or no longer waits.
 void count_waiting(const DeferredCell& cell, ListBytes& lists, bool waits) {
   const std::uint64_t bytes = waits ? cell.size_in_bytes() : -cell.size_in_bytes();  // wraps
   lists.deferred.fetch_add(bytes, std::memory_order_relaxed);
+  lists.add(TreeBytes::kLists, bytes);
   if (cell.left_over) lists.left_over.fetch_add(bytes, std::memory_order_relaxed);
 }
 
@@ -38,10 +46,12 @@ void delete_below(const KdTree& tree, Slot slot) {
 
 }  // namespace
 
-KdTree::KdTree(const geometry::Aabb& bounds, std::size_t references, const CellPath& path)
+KdTree::KdTree(const geometry::Aabb& bounds, std::size_t references, const CellPath& path,
+               std::shared_ptr<TreeMemory> memory)
     : bounds_(bounds),
       root_(Slot::empty_leaf().bits()),
       free_soon_from_(references * kRetiredBytesPerReference) {
+  lists_->memory = std::move(memory);
   if (references == 0) return;
   auto root = std::make_unique<DeferredCell>();
   root->box = bounds;
@@ -56,6 +66,18 @@ KdTree::~KdTree() {
   delete top_.load(std::memory_order_acquire);
   delete_below(*this, load(root_));
   delete arrays_.load(std::memory_order_acquire);
+  lists_->add(TreeBytes::kLists, 0 - deferred_bytes());
+  lists_->add(TreeBytes::kSubtrees, 0 - lists_->finished.load(std::memory_order_relaxed));
+  use_pairs(0 - pairs());
+  use_ids(0 - ids_used_.load(std::memory_order_relaxed));
+}
+
+/// The counts wrap around where fewer are used.
+void KdTree::use_pairs(std::uint64_t pairs) {
+  lists_->add(TreeBytes::kNodes, pairs * 2 * sizeof(AtomicSlot));
+}
+void KdTree::use_ids(std::uint64_t ids) {
+  lists_->add(TreeBytes::kNodes, ids * sizeof(std::uint32_t));
 }
 
 void KdTree::reserve(std::size_t references, const Capacity& capacity) {
@@ -83,6 +105,7 @@ std::optional<std::uint32_t> KdTree::allocate_pair() {
     pairs_used_.fetch_sub(1, std::memory_order_relaxed);
     return std::nullopt;
   }
+  use_pairs(1);
   return static_cast<std::uint32_t>(pair);
 }
 
@@ -97,6 +120,7 @@ std::optional<Slot> KdTree::make_leaf(std::span<const Reference> refs) {
     ids_used_.fetch_sub(refs.size(), std::memory_order_relaxed);
     return std::nullopt;
   }
+  use_ids(refs.size());
   std::uint32_t* ids = ids_.load(std::memory_order_relaxed) + first;
   for (std::size_t i = 0; i < refs.size(); ++i) ids[i] = refs[i].id;
   return Slot::leaf(refs.size(), static_cast<std::uint32_t>(first));
@@ -114,8 +138,8 @@ KdTree::NewNodes::~NewNodes() {
   if (!kept_ && alone_) {
     std::uint64_t pairs = tree_.pairs_used_.load(), ids = tree_.ids_used_.load();
     if (tree_.turn_.load() == turn_) {
-      tree_.pairs_used_.compare_exchange_strong(pairs, pairs_);
-      tree_.ids_used_.compare_exchange_strong(ids, ids_);
+      if (tree_.pairs_used_.compare_exchange_strong(pairs, pairs_)) tree_.use_pairs(pairs_ - pairs);
+      if (tree_.ids_used_.compare_exchange_strong(ids, ids_)) tree_.use_ids(ids_ - ids);
     }
   }
   tree_.makers_.fetch_sub(1);
@@ -141,26 +165,35 @@ Slot KdTree::defer(ReferenceList list, const geometry::Aabb& box, const CellPath
   return defer(std::move(cell));
 }
 
-Slot KdTree::finish(std::unique_ptr<const FinishedSubtree> subtree) {
+Slot KdTree::finish(std::unique_ptr<FinishedSubtree> subtree) {
+  subtree->account = lists_;
   lists_->finished.fetch_add(subtree->size_in_bytes(), std::memory_order_relaxed);
+  lists_->add(TreeBytes::kSubtrees, subtree->size_in_bytes());
   update_peak();
   return Slot::finished(subtree.release());
 }
 
 void KdTree::set_top(std::unique_ptr<FinishedSubtree> top) {
+  top->account = lists_;
   lists_->finished.fetch_add(top->size_in_bytes(), std::memory_order_relaxed);
+  lists_->add(TreeBytes::kSubtrees, top->size_in_bytes());
   FinishedSubtree* const before = top_.exchange(top.release(), std::memory_order_acq_rel);
   update_peak();
-  if (before == nullptr) return;
-  const std::uint64_t bytes = before->size_in_bytes();
+  if (before != nullptr) retire_subtree(*before);
+}
+
+void KdTree::retire_subtree(const FinishedSubtree& subtree) {
+  const std::uint64_t bytes = subtree.size_in_bytes();
   lists_->finished.fetch_sub(bytes, std::memory_order_relaxed);
-  retire(
-      *before, [](Retirable* old) { delete static_cast<FinishedSubtree*>(old); }, bytes);
+  lists_->retire(TreeBytes::kSubtrees, bytes);
+  // It belongs to this tree, which made it.
+  retire_for_walks(const_cast<FinishedSubtree&>(subtree), delete_subtree, bytes);
 }
 
 void KdTree::retire_cell(DeferredCell& cell) {
   const std::uint64_t bytes = cell.size_in_bytes();
   count_waiting(cell, *lists_, false);
+  lists_->add(TreeBytes::kRetired, bytes);
   const std::uint64_t retired = lists_->retired.fetch_add(bytes, std::memory_order_relaxed) + bytes;
   retire(cell, delete_cell, bytes, retired >= free_soon_from_);
 }
@@ -169,6 +202,7 @@ void KdTree::add_growing(std::int64_t bytes) {
   if (bytes < 0) update_peak();  // nodes were added meanwhile
   // Two's complement: adding a negative number wraps to the right sum.
   lists_->growing.fetch_add(static_cast<std::uint64_t>(bytes), std::memory_order_relaxed);
+  lists_->add(TreeBytes::kGrowing, static_cast<std::uint64_t>(bytes));
   if (bytes > 0) update_peak();
 }
 
@@ -187,6 +221,7 @@ void KdTree::discard(Slot slot) {
   }
   if (slot.is_finished()) {
     lists_->finished.fetch_sub(slot.finished()->size_in_bytes(), std::memory_order_relaxed);
+    lists_->add(TreeBytes::kSubtrees, 0 - slot.finished()->size_in_bytes());
     delete slot.finished();
     return;
   }

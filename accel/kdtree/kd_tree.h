@@ -29,7 +29,9 @@ class KdTree {
  public:
   /// A tree of one deferred cell whose list is not made; of one empty leaf if there are no
   /// references.
-  KdTree(const geometry::Aabb& bounds, std::size_t references, const CellPath& path = {});
+  /// `memory`: counts its bytes with those of other trees; null: they are not counted.
+  KdTree(const geometry::Aabb& bounds, std::size_t references, const CellPath& path = {},
+         std::shared_ptr<TreeMemory> memory = nullptr);
   ~KdTree();
   KdTree(const KdTree&) = delete;
   KdTree& operator=(const KdTree&) = delete;
@@ -75,7 +77,7 @@ class KdTree {
              Waits why = Waits::kForRays);
 
   /// The slot of a finished subtree, which belongs to the tree from now on. Threads: any.
-  Slot finish(std::unique_ptr<const FinishedSubtree> subtree);
+  Slot finish(std::unique_ptr<FinishedSubtree> subtree);
 
   /// A second form of the nodes near the root, for traversals; null: there is none. It leads to
   /// slots and finished subtrees of this tree. Replaced ones are retired. Threads: any, pinned.
@@ -87,6 +89,10 @@ class KdTree {
 
   /// Retires a deferred cell that no slot refers to any more. Threads: any.
   void retire_cell(DeferredCell& cell);
+  /// As above, a finished subtree, for walks that go on with renewed pins, too.
+  void retire_subtree(const FinishedSubtree& subtree);
+  /// Null: its bytes are not counted with those of other trees.
+  TreeMemory* memory() const { return lists_->memory.get(); }
 
   /// Frees the deferred cells and finished subtrees at and below a slot that was never published.
   void discard(Slot slot);
@@ -114,6 +120,8 @@ class KdTree {
 
   /// Bytes of deferred cells with their lists.
   std::uint64_t deferred_bytes() const { return lists_->deferred.load(std::memory_order_relaxed); }
+  /// Bytes of finished subtrees.
+  std::uint64_t finished_bytes() const { return lists_->finished.load(std::memory_order_relaxed); }
   /// Those that cancelled builds left (DeferredCell::left_over).
   std::uint64_t left_over_bytes() const {
     return lists_->left_over.load(std::memory_order_relaxed);
@@ -126,6 +134,8 @@ class KdTree {
 
  private:
   void update_peak();
+  void use_pairs(std::uint64_t pairs);
+  void use_ids(std::uint64_t ids);
 
   struct Arrays {
     ReservedArray<AtomicSlot> pairs;

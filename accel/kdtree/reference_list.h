@@ -86,15 +86,27 @@ inline constexpr std::size_t kReferencesPerSlice = 4096;
 /// Copies spans into one list of `size` references.
 ReferenceList join(std::span<const std::span<const Reference>> spans, std::size_t size);
 
-/// The list of a deferred cell: short or long.
+/// The list of a deferred cell: short or long, or compact, ids alone.
 class CellList {
  public:
   CellList() = default;
   explicit CellList(ReferenceList list) : short_(std::move(list)) {}
   explicit CellList(std::shared_ptr<const SlicedList> list) : long_(std::move(list)) {}
+  /// Compact: an eighth of the bytes. The source of the tree makes the references again.
+  explicit CellList(std::vector<std::uint32_t> ids) : ids_(std::move(ids)) {}
 
-  std::size_t size() const { return long_ ? long_->size() : short_.size(); }
-  std::uint64_t bytes() const { return long_ ? long_->bytes() : short_.bytes(); }
+  std::size_t size() const {
+    if (is_compact()) return ids_.size();
+    return long_ ? long_->size() : short_.size();
+  }
+  std::uint64_t bytes() const {
+    if (is_compact()) return ids_.size() * sizeof(std::uint32_t);
+    return long_ ? long_->bytes() : short_.bytes();
+  }
+
+  bool is_compact() const { return !ids_.empty(); }
+  /// Of a compact list, which has none of what follows.
+  std::span<const std::uint32_t> ids() const { return ids_; }
 
   /// Null for a short list.
   const std::shared_ptr<const SlicedList>& sliced() const { return long_; }
@@ -116,6 +128,7 @@ class CellList {
  private:
   ReferenceList short_;
   std::shared_ptr<const SlicedList> long_;
+  std::vector<std::uint32_t> ids_;
 };
 
 }  // namespace sightline::accel::kdtree

@@ -44,6 +44,9 @@ class CellTask final : public kdtree::RefCounted {
     const bool first_;
   };
 
+  /// Whether a query wants the cell now.
+  bool is_wanted() const { return wanted_.load(std::memory_order_relaxed) > 0; }
+
   /// Increases whenever a slice is done.
   std::uint64_t progress() const;
 

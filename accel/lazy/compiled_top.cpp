@@ -15,7 +15,8 @@ using blocks::Node;
 /// The hierarchy over what is below the binary nodes: finished subtrees, and slots of all else.
 class Top {
  public:
-  explicit Top(const kdtree::KdTree& tree) : tree_(tree) {}
+  /// `by_slots`: what is finished is entered by its slot, as it may be evicted.
+  Top(const kdtree::KdTree& tree, bool by_slots) : tree_(tree), by_slots_(by_slots) {}
 
   /// Null: nothing is there.
   const Node* node(kdtree::AtomicSlot& slot, const geometry::Aabb& cell) {
@@ -23,7 +24,7 @@ class Top {
     if (now == kdtree::Slot::empty_leaf()) return nullptr;
     if (now.is_finished()) {
       const auto& subtree = static_cast<const wide::WideTree&>(*now.finished());
-      return leaf(subtree.box(), subtree.root());
+      return leaf(subtree.box(), by_slots_ ? wide::Child::slot(&slot) : subtree.root());
     }
     if (!now.is_binary()) return leaf(cell, wide::Child::slot(&slot));
     const geometry::HalvedCell halves = geometry::halve(cell, now.axis(), now.position());
@@ -47,6 +48,7 @@ class Top {
   }
 
   const kdtree::KdTree& tree_;
+  const bool by_slots_;
   blocks::Arena arena_;
 };
 
@@ -71,7 +73,7 @@ void LazyTree::compile_top() {
   steps_.store(0, std::memory_order_relaxed);
   {
     const kdtree::EpochPin pin;
-    Top top(tree_);
+    Top top(tree_, is_evictable());
     if (const Node* root = top.node(tree_.root(), tree_.bounds()))
       tree_.set_top(std::make_unique<wide::WideTree>(*root, frame_->center));
   }

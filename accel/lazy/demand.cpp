@@ -25,7 +25,9 @@ std::vector<kdtree::Reference> sample(const kdtree::DeferredCell& cell,
   std::vector<kdtree::Reference> found;
   found.reserve(size / stride + 1);
   for (std::size_t i = 0; i < size; i += stride) {
-    if (!cell.has_list) {
+    if (cell.list.is_compact()) {
+      source.again(cell.list.ids().subspan(i, 1), &found.emplace_back(), counters);
+    } else if (!cell.has_list) {
       kdtree::Reference ref;
       if (source.list(i, i + 1, &ref, counters) == 1) found.push_back(ref);
     } else {
@@ -112,8 +114,10 @@ double share_reached(std::span<const CellPassage> passages, double rays_each,
 /// half of the root's weight costs an eighth for each reference, and one of a third or less is
 /// expanded by the first ray that comes.
 std::uint64_t LazyTree::cost_of_expanding(const kdtree::DeferredCell& cell) const {
+  // Rays that have paid for what was evicted have not paid for building it again.
+  if (cell.evicted && !is_eager(cell)) return kPathCost * cell.size;
   if (is_eager(cell)) {
-    const bool is_mesh = cell.size == primitive_count_;
+    const bool is_mesh = cell.size == primitive_count_ || cell.evicted;
     return (is_mesh ? kRaysToFinishMesh : kRaysToFinish) * cell.size;
   }
   if (is_dense(cell, primitive_count_)) return kDenseCost * cell.size;
@@ -122,8 +126,13 @@ std::uint64_t LazyTree::cost_of_expanding(const kdtree::DeferredCell& cell) cons
                                     share);
 }
 
-bool LazyTree::is_worth_expanding(const kdtree::DeferredCell& cell, std::uint64_t rays) {
-  if (!is_over_faces()) return true;
+bool LazyTree::searches(const kdtree::DeferredCell& cell, std::uint64_t rays, bool by_demand) {
+  const bool may_grow = tree_.memory() == nullptr || tree_.memory()->may_grow();
+  if (may_grow && !cell.evicted && (!by_demand || !is_over_faces())) return false;
+  return !is_worth_expanding(cell, rays) || !may_grow;
+}
+
+bool LazyTree::is_worth_expanding(const kdtree::DeferredCell& cell, std::uint64_t rays) const {
   const std::uint64_t now = rays * cell.size;
   return cell.spent.fetch_add(now, std::memory_order_relaxed) + now >= cost_of_expanding(cell);
 }
@@ -131,6 +140,7 @@ bool LazyTree::is_worth_expanding(const kdtree::DeferredCell& cell, std::uint64_
 CellDecision LazyTree::decide(const kdtree::DeferredCell& cell,
                               std::span<const CellPassage> passages, double rays_each,
                               kdtree::BuildCounters& counters) const {
+  if (tree_.memory() != nullptr && !tree_.memory()->may_grow()) return CellDecision::kSearch;
   const double rays = rays_each * static_cast<double>(passages.size());
   const double spent = static_cast<double>(cell.spent.load(std::memory_order_relaxed)) +
                        rays * static_cast<double>(cell.size);
@@ -140,7 +150,7 @@ CellDecision LazyTree::decide(const kdtree::DeferredCell& cell,
   const double blocks = static_cast<double>(cell.weight) / static_cast<double>(grow::kBlockCell);
   const double share = share_reached(passages, rays_each, shares, blocks);
   const bool pays = share >= kFinishShare && rays >= static_cast<double>(kFinishCost) * share;
-  return pays ? CellDecision::kFinish : CellDecision::kExpand;
+  return pays && may_build_ahead() ? CellDecision::kFinish : CellDecision::kExpand;
 }
 
 void LazyTree::count_rays(std::uint64_t rays) {
@@ -148,7 +158,8 @@ void LazyTree::count_rays(std::uint64_t rays) {
 }
 
 bool LazyTree::has_paid_for_all() const {
-  return !is_complete() && is_over_faces() &&
+  return !is_complete() && is_over_faces() && may_build_ahead() &&
+         evicted_.load(std::memory_order_relaxed) == 0 &&
          rays_.load(std::memory_order_relaxed) * kWalkCost >= kFinishCost * primitive_count_;
 }
 

@@ -15,6 +15,10 @@ inline constexpr std::uint64_t kPathCost = 12;
 inline constexpr std::uint64_t kFinishCost = 110;
 /// As above where triangles overlap so much that lists would not get shorter.
 inline constexpr std::uint64_t kDenseCost = 300;
+/// For each reference of a list that is made again from ids.
+inline constexpr std::uint64_t kListCost = 8;
+/// Bytes of leaf blocks and wide nodes for each reference. No cost: to tell how much fits.
+inline constexpr std::uint64_t kBytesOfReference = 72;
 /// For each ray that walks a tree.
 inline constexpr std::uint64_t kWalkCost = 75;
 

@@ -22,6 +22,8 @@ constexpr std::uint64_t kSerialBelow = 65536;
 struct Deferred {
   std::vector<kdtree::AtomicSlot*> slots;  ///< All with something to expand.
   bool some_failed = false;                ///< There are others, for which there was no room.
+  std::vector<kdtree::AtomicSlot*> evicted;
+  std::uint64_t evicted_references = 0;
 };
 
 void collect_deferred(const kdtree::KdTree& tree, kdtree::AtomicSlot& slot, Deferred& found) {
@@ -29,6 +31,9 @@ void collect_deferred(const kdtree::KdTree& tree, kdtree::AtomicSlot& slot, Defe
   if (now.is_deferred()) {
     if (now.cell()->failed.load(std::memory_order_relaxed)) {
       found.some_failed = true;
+    } else if (now.cell()->evicted) {
+      found.evicted.push_back(&slot);
+      found.evicted_references += now.cell()->size;
     } else {
       found.slots.push_back(&slot);
     }
@@ -48,14 +53,23 @@ void LazyTree::expand_all(kdtree::BuildCounters& counters, const std::atomic<boo
   // A round completes the cells that were deferred when it began, except those that rays claimed.
   for (;;) {
     Deferred deferred;
+    const std::uint64_t evicted_before = evicted_.load(std::memory_order_acquire);
     {
       const kdtree::EpochPin pin;
       collect_deferred(tree_, tree_.root(), deferred);
     }
+    if (evicted_must_wait(deferred.evicted_references)) {
+      deferred.some_failed = true;
+    } else {
+      deferred.slots.insert(deferred.slots.end(), deferred.evicted.begin(), deferred.evicted.end());
+    }
     if (deferred.slots.empty()) compile_top();
-    if (deferred.slots.empty() && !deferred.some_failed)
+    if (deferred.slots.empty() && !deferred.some_failed) {
       complete_.store(true, std::memory_order_release);
-    if (deferred.slots.empty() || is_set(cancelled)) return;
+      // Something may have gone since they were collected.
+      if (evicted_.load(std::memory_order_acquire) != evicted_before) complete_.store(false);
+    }
+    if (deferred.slots.empty() || is_set(cancelled) || !may_build_ahead()) return;
     counters += tbb::parallel_reduce(
         tbb::blocked_range<std::size_t>(0, deferred.slots.size()), kdtree::BuildCounters{},
         [&](const tbb::blocked_range<std::size_t>& range, kdtree::BuildCounters sum) {
@@ -102,7 +116,7 @@ void LazyTree::complete(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counter
                         const std::atomic<bool>* cancelled) {
   StallDetector stall_detector;
   for (;;) {
-    if (is_set(cancelled)) return;
+    if (is_set(cancelled) || !may_build_ahead()) return;
     kdtree::DeferredCell* claimed = nullptr;
     const Step done = step(slot, counters, cancelled, claimed);
     if (done == Step::kBuilt) break;
@@ -138,7 +152,7 @@ bool LazyTree::lists_are_left_over() const {
 /// being built, or it does not come before that slot.
 bool LazyTree::build_left_over(const kdtree::AtomicSlot* before, kdtree::BuildCounters& counters,
                                const std::atomic<bool>* cancelled) {
-  if (!lists_are_left_over()) return false;
+  if (!lists_are_left_over() || !may_build_ahead()) return false;
   kdtree::AtomicSlot* first = nullptr;
   kdtree::Slot was = kdtree::Slot::empty_leaf();
   {

@@ -50,9 +50,11 @@ bool may_make_blocks(const split::SplitSearch& rule, const geometry::MeshView* m
 }  // namespace
 
 LazyTree::LazyTree(const geometry::Aabb& bounds, std::size_t primitive_count, split::SplitRule rule,
-                   ReferenceSource source, const geometry::MeshView* mesh)
+                   ReferenceSource source, const geometry::MeshView* mesh,
+                   std::shared_ptr<kdtree::TreeMemory> memory)
     : tree_(bounds, primitive_count,
-            grow::root_path(rule->budget(may_make_blocks(*rule, mesh, bounds)), primitive_count)),
+            grow::root_path(rule->budget(may_make_blocks(*rule, mesh, bounds)), primitive_count),
+            std::move(memory)),
       rule_(std::move(rule)),
       source_(std::move(source)),
       primitive_count_(primitive_count),
@@ -70,6 +72,7 @@ bool LazyTree::is_eager(const kdtree::DeferredCell& cell) const {
 ExpandResult LazyTree::expand(kdtree::AtomicSlot& slot, WhenPending when_pending,
                               kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled) {
   const Timed timed(counters);
+  if (tree_.memory() != nullptr && !tree_.memory()->may_grow()) return ExpandResult::kScanList;
   return expand_now(slot, when_pending, counters, cancelled);
 }
 
@@ -152,6 +155,10 @@ ExpandResult LazyTree::expand_claimed(kdtree::AtomicSlot& slot, kdtree::Deferred
                                                                 : ExpandResult::kRetry;
   if (!cell.whole && !is_eager(cell)) {
     try {
+      if (cell.list.is_compact()) {
+        publish(slot, cell, with_list_again(cell, counters), counters);
+        return ExpandResult::kRetry;
+      }
       Division division = divide_short(context_, cell, counters);
       if (may_wait(division, cell)) {
         publish(slot, cell, make_slot(std::move(division), cell), counters);

@@ -4,12 +4,15 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "accel/kdtree/kd_tree.h"
 #include "accel/lazy/demand.h"
 #include "accel/lazy/divide.h"
+#include "accel/lazy/eviction.h"
 #include "accel/wide/frame.h"
 #include "accel/wide/wide_node.h"
 
@@ -19,8 +22,8 @@ namespace sightline::accel::lazy {
 enum class ExpandResult : std::uint8_t {
   kRetry,     ///< The slot has changed: read it again.
   kPending,   ///< Other threads expand a large cell: ask again when they have made progress.
-  kScanList,  ///< Search the cell's list: another thread expands a small cell, or the arrays of a
-              ///< tree without a budget are full.
+  kScanList,  ///< Search the cell's list: another thread expands a small cell, there is no room in
+              ///< the memory of the trees, or the arrays of a tree without a budget are full.
 };
 
 /// What to do when other threads expand a large cell and no work is left to help with.
@@ -36,9 +39,11 @@ class LazyTree {
  public:
   /// `bounds` contains every reference; `primitive_count` is an upper bound on their number when
   /// all are opened. `mesh`: the mesh whose faces they are, for rules that clip; null for other
-  /// references. It must outlive the tree.
+  /// references. It must outlive the tree. `memory`: what its bytes count in, and asks before it
+  /// grows; null: it may always grow.
   LazyTree(const geometry::Aabb& bounds, std::size_t primitive_count, split::SplitRule rule,
-           ReferenceSource source, const geometry::MeshView* mesh = nullptr);
+           ReferenceSource source, const geometry::MeshView* mesh = nullptr,
+           std::shared_ptr<kdtree::TreeMemory> memory = nullptr);
 
   const kdtree::KdTree& tree() const { return tree_; }
   kdtree::AtomicSlot& root() { return tree_.root(); }
@@ -59,9 +64,11 @@ class LazyTree {
   /// them would enter all that a ray meets, in any order.
   bool is_over_faces() const { return context_.mesh != nullptr; }
 
-  /// Called for rays that meet a cell and would search its list, which counts as spent. True: with
-  /// what was spent there before, that costs as much as expanding it.
-  bool is_worth_expanding(const kdtree::DeferredCell& cell, std::uint64_t rays);
+  /// Called for rays that meet a cell. True: they search its list, which counts as spent, because
+  /// there is no room for more; or because that, with what was spent there before, costs less than
+  /// expanding it. The costs count `by_demand` in trees over faces, and always where the cell was
+  /// evicted.
+  bool searches(const kdtree::DeferredCell& cell, std::uint64_t rays, bool by_demand);
 
   /// As above, for rays of a batch that wait at the cell, each of which stands for several. Spends
   /// nothing.
@@ -81,7 +88,8 @@ class LazyTree {
   /// Measures the progress of a busy slot's expansion: grows while threads work on it.
   static std::uint64_t progress(const kdtree::AtomicSlot& slot);
 
-  /// Expands all cells until only those without room are deferred, or until `cancelled` is set.
+  /// Expands all cells until only those without room are deferred, or until `cancelled` is set. Not
+  /// beyond TreeMemory::low_water(), and no evicted cells unless all of them fit below it.
   /// Parallel in the caller's arena. The caller is not pinned: a pin would keep the lists of all
   /// cells alive. Throws std::bad_alloc; a later call may succeed.
   void expand_all(kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled = nullptr);
@@ -89,6 +97,12 @@ class LazyTree {
   /// Whether expand_all() has found nothing left to expand, not even cells without room. Then it
   /// returns at once.
   bool is_complete() const { return complete_.load(std::memory_order_acquire); }
+
+  /// Appends what can be evicted: finished subtrees, and lists that can be made again. Pinned.
+  void list_evictable(std::vector<Evictable>& found);
+  /// Evicts it, unless it has changed since it was listed. Returns the bytes that are freed once no
+  /// walk reads them. Pinned. Throws std::bad_alloc, and then nothing has changed.
+  std::uint64_t evict(const Evictable& piece);
 
   /// Whether finished cells become leaf blocks: the rule makes them, and there is a frame.
   bool makes_blocks() const { return makes_blocks_; }
@@ -104,6 +118,21 @@ class LazyTree {
 
  private:
   void compile_top();
+  bool is_evictable() const;
+  bool may_build_ahead() const;
+  void list_evictable(kdtree::AtomicSlot& slot, const geometry::Aabb& cell, int depth,
+                      std::vector<Evictable>& found);
+  std::unique_ptr<kdtree::DeferredCell> evicted_subtree(const Evictable& piece,
+                                                        const kdtree::FinishedSubtree& subtree);
+  std::unique_ptr<kdtree::DeferredCell> with_compact_list(const kdtree::DeferredCell& cell) const;
+  kdtree::ReferenceList list_again(const kdtree::DeferredCell& cell,
+                                   kdtree::BuildCounters& counters) const;
+  kdtree::Slot with_list_again(const kdtree::DeferredCell& cell, kdtree::BuildCounters& counters);
+  bool evicted_must_wait(std::uint64_t references) const;
+  bool is_worth_expanding(const kdtree::DeferredCell& cell, std::uint64_t rays) const;
+  kdtree::ReferenceList whole_list(const kdtree::DeferredCell& cell, bool& openable,
+                                   kdtree::BuildCounters& counters,
+                                   const std::atomic<bool>* cancelled) const;
   bool is_eager(const kdtree::DeferredCell& cell) const;
   std::uint64_t cost_of_expanding(const kdtree::DeferredCell& cell) const;
   const geometry::Vec3f* center() const { return makes_blocks_ ? &frame_->center : nullptr; }
@@ -156,6 +185,7 @@ class LazyTree {
   std::atomic<std::uint64_t> rays_{0};   ///< See count_rays().
   std::atomic<bool> compiles_top_{false};
   std::atomic<bool> complete_{false};
+  std::atomic<std::uint64_t> evicted_{0};  ///< Pieces, so far.
 };
 
 /// The subtree of a deferred cell of at most this weight is built at once: dividing it cell by cell

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <span>
@@ -32,6 +33,11 @@ struct ReferenceSource {
   std::function<void(const kdtree::Reference&, std::vector<kdtree::Reference>&,
                      kdtree::BuildCounters&)>
       open{};
+  /// Writes the references with these ids, in their order; none is openable, and all have been
+  /// listed before. Null: lists of the tree cannot be compact.
+  std::function<void(std::span<const std::uint32_t> ids, kdtree::Reference* out,
+                     kdtree::BuildCounters&)>
+      again{};
   /// Keeps alive what the functions read. If null, idle threads are not called to help: only
   /// threads that keep it alive in another way call the functions.
   std::shared_ptr<const void> alive{};

@@ -18,7 +18,7 @@ namespace sightline::accel::lazy {
 /// What a walk does at a cell that is not built.
 enum class OnDeferred : std::uint8_t {
   kExpand,  ///< Build it, or help to; search its list while other threads build a small one.
-  kDemand,  ///< As kExpand where that pays (LazyTree::is_worth_expanding), else as kScan.
+  kDemand,  ///< As kExpand where that pays (LazyTree::searches), else as kScan.
   kWait,    ///< In trees over faces, report it and stop; in others as kExpand.
   kScan,    ///< Do not expand; test the references whose boxes the ray meets.
   kSkip,    ///< Skip it.
@@ -64,7 +64,7 @@ struct LazyQuery {
       owner->join();
       joined = true;
     }
-    pin->renew();
+    pin->renew_for_cells();
   }
 };
 
@@ -96,13 +96,17 @@ struct LazyVisit {
   Test& test;
 
   bool leaf(std::span<const std::uint32_t> references) { return test.leaf(references); }
-  bool finished(const kdtree::FinishedSubtree& subtree) { return test.finished(subtree); }
+  bool finished(const kdtree::FinishedSubtree& subtree) {
+    subtree.last_use.use();
+    return test.finished(subtree);
+  }
   double limit() { return test.limit(); }
 
   /// Whether one ray expands the cell.
   bool expands(const kdtree::DeferredCell& cell) {
-    if (query.on_deferred == OnDeferred::kDemand) return tree.is_worth_expanding(cell, 1);
-    return query.on_deferred == OnDeferred::kExpand || query.on_deferred == OnDeferred::kWait;
+    if (query.on_deferred == OnDeferred::kScan || query.on_deferred == OnDeferred::kSkip)
+      return false;
+    return !tree.searches(cell, 1, query.on_deferred == OnDeferred::kDemand);
   }
 
   kdtree::DeferredAction deferred(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell) {
@@ -132,7 +136,9 @@ struct LazyVisit {
   }
 
   bool search(const kdtree::DeferredCell& cell) {
+    cell.last_use.use();
     if (!cell.has_list) return test.everything();
+    if (cell.list.is_compact()) return search(cell.list.ids());
     return cell.list.any_part([&](std::span<const kdtree::Reference> refs) {
       while (!refs.empty()) {
         if (query.is_cancelled()) return true;
@@ -142,6 +148,16 @@ struct LazyVisit {
       }
       return false;
     });
+  }
+
+  bool search(std::span<const std::uint32_t> ids) {
+    while (!ids.empty()) {
+      if (query.is_cancelled()) return true;
+      const auto part = ids.first(std::min(ids.size(), kSearchStep));
+      ids = ids.subspan(part.size());
+      if (test.leaf(part)) return true;
+    }
+    return false;
   }
 };
 

@@ -81,6 +81,15 @@ bool LazyTree::may_wait(const Division& division, const kdtree::DeferredCell& ce
   return tree_.deferred_bytes() + bytes - cell.list.bytes() <= most_list_bytes();
 }
 
+/// The list of a cell in one piece, for this thread to overwrite. Throws Cancelled.
+kdtree::ReferenceList LazyTree::whole_list(const kdtree::DeferredCell& cell, bool& openable,
+                                           kdtree::BuildCounters& counters,
+                                           const std::atomic<bool>* cancelled) const {
+  if (!cell.has_list) return list_source(source_, openable, counters, cancelled);
+  if (cell.list.is_compact()) return list_again(cell, counters);
+  return copy(cell.list, cancelled);
+}
+
 /// Builds the subtree of a claimed cell; if cancelled, a part, whose cells wait with their lists.
 /// Throws std::bad_alloc, and Cancelled if it has not begun; then the cell is deferred again.
 void LazyTree::complete_claimed(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
@@ -89,9 +98,7 @@ void LazyTree::complete_claimed(kdtree::AtomicSlot& slot, kdtree::DeferredCell& 
   try {
     if (!makes_blocks() || cell.weight > grow::kBlockCell) reserve();
     bool openable = cell.openable;
-    kdtree::ReferenceList list = cell.has_list
-                                     ? copy(cell.list, cancelled)
-                                     : list_source(source_, openable, counters, cancelled);
+    kdtree::ReferenceList list = whole_list(cell, openable, counters, cancelled);
     if (openable) list = open_all(source_, std::move(list), cell.box, counters);
     kdtree::CellPath path = cell.path;
     if (cell.has_list)

@@ -2,6 +2,9 @@
 #include "accel/mesh/face_references.h"
 
 #include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <span>
 
 #include "accel/mesh/face_boxes.h"
 #include "accel/mesh/runs.h"
@@ -32,6 +35,18 @@ class Faces {
     return face_references(mesh_, begin, end, out);
   }
 
+  /// In ranges of consecutive faces.
+  void again(std::span<const std::uint32_t> ids, kdtree::Reference* out,
+             kdtree::BuildCounters& counters) const {
+    counters.touches_prepare += ids.size();
+    for (std::size_t i = 0; i < ids.size();) {
+      std::size_t end = i + 1;
+      while (end < ids.size() && ids[end] == ids[end - 1] + 1) ++end;
+      out += face_references(mesh_, ids[i], std::size_t{ids[end - 1]} + 1, out);
+      i = end;
+    }
+  }
+
   void open(const kdtree::Reference& run, std::vector<kdtree::Reference>& out,
             kdtree::BuildCounters& counters) const {
     open_run(mesh_, run, out, counters);
@@ -59,6 +74,8 @@ lazy::ReferenceSource source_of_faces(const geometry::MeshView& mesh, const geom
           },
       .open = [faces](const kdtree::Reference& run, std::vector<kdtree::Reference>& out,
                       kdtree::BuildCounters& counters) { faces->open(run, out, counters); },
+      .again = [faces](std::span<const std::uint32_t> ids, kdtree::Reference* out,
+                       kdtree::BuildCounters& counters) { faces->again(ids, out, counters); },
       .alive = std::move(alive)};
 }
 

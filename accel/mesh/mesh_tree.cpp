@@ -17,7 +17,8 @@ MeshTree::Tree MeshTree::make(const geometry::MeshView& mesh, const geometry::Me
   if (builder.whole != nullptr) return Tree(builder.whole->make(mesh));
   const bool may_run = references == References::kRuns && builder.rule->takes_runs();
   return Tree(std::in_place_type<lazy::LazyTree>, padded(stats.bounds), stats.finite_triangles,
-              builder.rule, source_of_faces(mesh, stats.bounds, may_run, std::move(alive)), own);
+              builder.rule, source_of_faces(mesh, stats.bounds, may_run, std::move(alive)), own,
+              builder.memory);
 }
 
 MeshTree::MeshTree(geometry::MeshView mesh, const MeshStats& stats, const TreeBuilder& builder,

@@ -27,6 +27,8 @@ struct TreeBuilder {
   split::SplitRule rule = split::default_rule();
   /// If set, it builds the whole tree at once, and `rule` is not used.
   std::shared_ptr<const WholeTreeMaker> whole = nullptr;
+  /// What the trees count their bytes in, and ask before they grow; null: they may always grow.
+  std::shared_ptr<kdtree::TreeMemory> memory = nullptr;
 };
 
 /// The references that a mesh's tree starts from.
@@ -112,6 +114,8 @@ class MeshTree {
   /// The kd-tree or the whole tree; the other is null.
   const kdtree::KdTree* kd() const;
   const WholeTree* whole() const;
+  /// The kd-tree; null for a whole tree.
+  lazy::LazyTree* lazy_tree() { return std::get_if<lazy::LazyTree>(&tree_); }
 
  private:
   using Tree = std::variant<lazy::LazyTree, std::unique_ptr<WholeTree>>;

@@ -84,6 +84,15 @@ class PacketSearch {
   }
 
   void search(const kdtree::DeferredCell& cell) {
+    cell.last_use.use();
+    if (cell.list.is_compact()) {
+      for (std::span<const std::uint32_t> ids = cell.list.ids(); !ids.empty() && searching_ != 0;
+           ids = ids.subspan(std::min(ids.size(), lazy::kSearchStep)))
+        each([&](LeafTest& test) {
+          return test.leaf(ids.first(std::min(ids.size(), lazy::kSearchStep)));
+        });
+      return;
+    }
     if (cell.has_list) {
       cell.list.any_part([&](std::span<const kdtree::Reference> refs) {
         for (; !refs.empty() && searching_ != 0;
@@ -151,9 +160,9 @@ class UnfinishedSlots final : public wide::SlotVisitor {
  private:
   bool searches(const kdtree::DeferredCell& cell, std::uint32_t lanes) {
     if (walk_.lazy.on_deferred == lazy::OnDeferred::kScan) return true;
+    if (walk_.lazy.on_deferred == lazy::OnDeferred::kSkip) return false;
     const auto rays = static_cast<std::uint64_t>(std::popcount(lanes));
-    return walk_.lazy.on_deferred == lazy::OnDeferred::kDemand &&
-           !walk_.tree.is_worth_expanding(cell, rays);
+    return walk_.tree.searches(cell, rays, walk_.lazy.on_deferred == lazy::OnDeferred::kDemand);
   }
 
   void search(const kdtree::DeferredCell& cell, std::uint32_t lanes) {

@@ -150,7 +150,7 @@ class Group {
     for (;;) {
       const kdtree::Slot now = kdtree::load(slot);
       if (now.is_finished()) {
-        at = static_cast<const WideTree*>(now.finished())->root();
+        at = static_cast<const WideTree*>(now.finished())->enter();
         return true;
       }
       const bool again = walked_.slots.visit(slot, lanes);

@@ -128,7 +128,7 @@ class Pencil {
         const kdtree::Slot now = kdtree::load(*at.slot());
         if (now == kdtree::Slot::empty_leaf()) return true;
         if (!now.is_finished()) return false;
-        at = static_cast<const WideTree*>(now.finished())->root();
+        at = static_cast<const WideTree*>(now.finished())->enter();
       }
     }
   }

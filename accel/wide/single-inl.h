@@ -177,7 +177,7 @@ class Single {
     for (;;) {
       const kdtree::Slot now = kdtree::load(slot);
       if (now.is_finished()) {
-        at = static_cast<const WideTree*>(now.finished())->root();
+        at = static_cast<const WideTree*>(now.finished())->enter();
         return true;
       }
       if (!walked_.slots.visit(slot, 1u << lane_)) return false;

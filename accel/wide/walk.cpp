@@ -94,7 +94,7 @@ void walk(Packet& packet, Child root, std::uint32_t lanes, SlotVisitor& slots, W
   while (lanes != 0 && !root.is_node() && !root.is_block()) {
     const kdtree::Slot now = kdtree::load(*root.slot());
     if (now.is_finished()) {
-      root = static_cast<const WideTree*>(now.finished())->root();
+      root = static_cast<const WideTree*>(now.finished())->enter();
     } else if (!slots.visit(*root.slot(), lanes)) {
       return;
     }

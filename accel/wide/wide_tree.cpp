@@ -271,6 +271,14 @@ WideTree::WideTree(const Node& root, const geometry::Vec3f& center, blocks::Chun
 
 std::uint64_t WideTree::size_in_bytes() const { return sizeof(*this) + bytes_ + words_.bytes(); }
 
+std::vector<std::uint32_t> WideTree::ids() const {
+  std::vector<std::uint32_t> ids;
+  each_block(root_, [&](const blocks::Block& block) {
+    for (std::size_t i = 0; i < block.triangles; ++i) ids.push_back(block.id(i));
+  });
+  return ids;
+}
+
 void WideTree::measure(double root_area, int depth, kdtree::TreeMetrics& metrics) const {
   double share = 1;
   if (root_.is_node() && root_area > 0) {

@@ -14,7 +14,7 @@
 
 namespace sightline::accel::wide {
 
-/// Never changes. Threads: any.
+/// Never changes but for its last use. Threads: any.
 class WideTree final : public kdtree::FinishedSubtree {
  public:
   /// Compiles a hierarchy of at most kMostLevels levels, whose blocks are relative to `center`;
@@ -25,11 +25,17 @@ class WideTree final : public kdtree::FinishedSubtree {
   WideTree(const blocks::Node& root, const geometry::Vec3f& center, blocks::Chunks words);
 
   Child root() const { return root_; }
+  /// As root(), for a ray that comes from the slot.
+  Child enter() const {
+    last_use.use();
+    return root_;
+  }
   const geometry::Vec3f& center() const { return center_; }
   /// Of all below, in mesh coordinates.
   const geometry::Aabb& box() const { return box_; }
 
   std::uint64_t size_in_bytes() const override;
+  std::vector<std::uint32_t> ids() const override;
   void measure(double root_area, int depth, kdtree::TreeMetrics& metrics) const override;
   void measure_growth(std::vector<bool>& seen, kdtree::GrowthMetrics& growth) const override;
 

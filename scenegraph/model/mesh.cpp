@@ -87,7 +87,7 @@ std::uint64_t Mesh::drop_tree() const {
   const accel::kdtree::EpochPin pin;
   if (tree().untouched()) return 0;
   Tree* const old = tree_.exchange(new Tree(*this), std::memory_order_acq_rel);
-  dropped_trees().fetch_add(1, std::memory_order_release);
+  count_dropped();
   const std::uint64_t bytes = old->tree.bytes();
   accel::kdtree::retire(
       *old, [](accel::kdtree::Retirable* tree) { static_cast<Tree*>(tree)->leave(); }, bytes);
@@ -95,6 +95,8 @@ std::uint64_t Mesh::drop_tree() const {
 }
 
 std::uint64_t Mesh::trees_dropped() { return dropped_trees().load(std::memory_order_acquire); }
+
+void Mesh::count_dropped() { dropped_trees().fetch_add(1, std::memory_order_release); }
 
 std::uint64_t Mesh::bytes() const {
   return arrays_->vertices.size() * sizeof(accel::geometry::Vec3f) +

@@ -78,8 +78,11 @@ class Mesh {
   /// change. Returns the bytes of the old tree. Throws std::bad_alloc, and then nothing has
   /// changed. Threads: any.
   std::uint64_t drop_tree() const;
-  /// How many trees were dropped, of all meshes: what was complete before may not be so now.
+  /// How many trees were dropped, whole or in part, of all meshes: what was complete before may not
+  /// be so now.
   static std::uint64_t trees_dropped();
+  /// After a part of one was evicted.
+  static void count_dropped();
 
  private:
   struct Arrays {

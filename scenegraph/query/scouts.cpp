@@ -108,13 +108,14 @@ bool pays(const AwaitedCell& cell, double rays_each, BuildCounters& built) {
 /// Returns whether the cell is another one then.
 bool grow(const AwaitedCell& cell, double rays_each, const TraceOptions& options,
           BuildCounters& built) {
+  accel::kdtree::Slot before;
   if (cell.all) {
     cell.tree->expand_all(built, options.cancelled);
     return cell.tree->is_complete();
   }
   {
     const accel::kdtree::EpochPin pin;
-    const accel::kdtree::Slot now = accel::kdtree::load(*cell.slot);
+    const accel::kdtree::Slot now = before = accel::kdtree::load(*cell.slot);
     if (!now.is_deferred()) return true;
     const CellDecision decision = cell.tree->decide(*now.cell(), cell.passages, rays_each, built);
     if (decision == CellDecision::kSearch) return false;
@@ -125,7 +126,7 @@ bool grow(const AwaitedCell& cell, double rays_each, const TraceOptions& options
     }
   }
   cell.tree->finish(*cell.slot, built, options.cancelled);
-  return true;
+  return accel::kdtree::load(*cell.slot) != before;  // it is the same if there was no room
 }
 
 /// All scouts of a batch.

@@ -105,6 +105,10 @@ BuildSummary summarize_build(const Snapshot& snapshot) {
     s.triangles_total += mesh->triangles();
     s.bytes_geometry += mesh->bytes();
     s.bytes_trees += mesh->tree().bytes();
+    if (const accel::kdtree::KdTree* kd = mesh->tree().kd()) {
+      s.bytes_lists += kd->deferred_bytes();
+      s.bytes_wide_nodes += kd->finished_bytes();
+    }
   });
   const accel::kdtree::EpochPin pin;
   for (const instances::Tier& tier : snapshot.shared_trees().tiers) {

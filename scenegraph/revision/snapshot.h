@@ -89,6 +89,8 @@ struct BuildSummary {
   std::uint64_t triangles_total = 0;  ///< Of distinct meshes.
   std::uint64_t bytes_geometry = 0;
   std::uint64_t bytes_trees = 0;
+  std::uint64_t bytes_lists = 0;         ///< Part of it: what is not built in the meshes' trees.
+  std::uint64_t bytes_wide_nodes = 0;    ///< Part of it: their finished subtrees.
   std::uint64_t static_instances = 0;    ///< In the static tree.
   std::uint64_t dynamic_instances = 0;   ///< In dynamic trees: moving nodes and all below them.
   std::uint64_t bytes_static_tree = 0;   ///< Part of bytes_trees, which also has the meshes' trees.

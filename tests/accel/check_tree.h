@@ -15,6 +15,7 @@
 namespace sightline::tests {
 
 inline std::vector<std::uint32_t> ids_of(const accel::kdtree::CellList& list) {
+  if (list.is_compact()) return {list.ids().begin(), list.ids().end()};
   std::vector<std::uint32_t> ids;
   list.any_part([&](std::span<const accel::kdtree::Reference> refs) {
     for (const accel::kdtree::Reference& ref : refs) ids.push_back(ref.id);

@@ -23,7 +23,7 @@ accel/published/kd          accel/*
 accel/published/bvh         accel/*
 accel/published             accel/*
 
-scenegraph/model            accel/result accel/geometry accel/kdtree accel/mesh
+scenegraph/model            accel/result accel/geometry accel/kdtree accel/lazy accel/mesh
 scenegraph/hierarchy        scenegraph/model
 scenegraph/instances        scenegraph/model scenegraph/hierarchy
                             accel/result accel/geometry accel/kdtree accel/lazy
@@ -34,7 +34,7 @@ scenegraph/query            scenegraph/model scenegraph/instances scenegraph/rev
 scenegraph/trace            scenegraph/* accel/result accel/geometry accel/kdtree
 scenegraph/scene            scenegraph/* accel/result accel/geometry
 
-server/exec                 accel/result
+server/exec                 accel/result accel/kdtree
 server/net/descriptor
 server/net                  server/net/descriptor server/exec accel/result
 server/settings             server/exec accel/result

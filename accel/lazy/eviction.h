@@ -1,0 +1,23 @@
+// What a tree can do without: pieces that go when the memory of the trees is short, and grow again
+// where rays need them.
+#pragma once
+
+#include <cstdint>
+
+#include "accel/geometry/aabb.h"
+#include "accel/kdtree/kd_tree.h"
+
+namespace sightline::accel::lazy {
+
+/// A finished subtree, which becomes a deferred cell with a compact list; or the list of a deferred
+/// cell, which becomes compact. What holds all of a mesh keeps no list at all.
+struct Evictable {
+  kdtree::AtomicSlot* slot = nullptr;
+  geometry::Aabb cell;
+  int depth = 0;
+  std::uint64_t bytes = 0;  ///< About as many are freed.
+  /// What building it again costs for each byte, by how long ago it was used. The least goes first.
+  std::uint64_t value = 0;
+};
+
+}  // namespace sightline::accel::lazy
