@@ -42,6 +42,8 @@ struct SceneStats {
   std::uint64_t triangles_total = 0;  ///< of distinct meshes
   std::uint64_t bytes_geometry = 0;
   std::uint64_t bytes_trees = 0;
+  std::uint64_t bytes_lists = 0;       ///< part of it: what is not built in the meshes' trees
+  std::uint64_t bytes_wide_nodes = 0;  ///< part of it: what is built in them
   std::uint64_t static_instances = 0;
   std::uint64_t dynamic_instances = 0;
 };
@@ -62,6 +64,12 @@ struct NodeMesh {
   std::uint64_t revision = 0;
   std::vector<Vertex> vertices;
   std::vector<Face> faces;  ///< by primitive; all kNoVertex: no triangle
+};
+
+/// Bytes that a server holds, by what for.
+struct HeldBytes {
+  std::string kind;
+  std::uint64_t bytes = 0;
 };
 
 struct ServerInfo {
@@ -96,6 +104,10 @@ struct ServerInfo {
   std::uint32_t max_connections = 0;
   std::uint64_t memory_budget_bytes = 0;  ///< for all that the server holds
   bool is_durable = false;                ///< it keeps scenes on disk
+  std::vector<HeldBytes> memory;          ///< that it holds now
+  std::vector<HeldBytes> tree_memory;     ///< the parts of its kind "trees"
+  std::uint64_t tree_pieces_evicted = 0;  ///< subtrees and lists, to keep within the budget
+  std::uint64_t tree_bytes_evicted = 0;
 };
 
 }  // namespace sightline::client

@@ -65,7 +65,7 @@ class Endpoint {
                                                                .memory = state_.memory,
                                                                .store = state_.store.get(),
                                                                .calls = state_.backups}};
-  GuardedInfo info_rpc_{guard_, state_.config, max_connections_};
+  GuardedInfo info_rpc_{guard_, state_.config, max_connections_, state_.memory};
   std::uint16_t port_ = 0;
   net::SocketFile socket_file_;
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> connections_;

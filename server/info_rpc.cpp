@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "accel/split/scan_kernel.h"
 #include "scenegraph/model/mesh.h"
@@ -62,6 +63,22 @@ void describe_memory(const ServerConfig& config, v1::GetServerInfoResponse& info
   info.set_max_deformed_bytes(scenes::kMaxDeformedBytes);
   info.set_max_bytes_log(scenes::LogLimits().bytes);
   info.set_max_bytes_exact_revisions(scenes::RecentLimits().bytes);
+}
+
+void add(const std::vector<exec::HeldBytes>& uses,
+         google::protobuf::RepeatedPtrField<v1::HeldBytes>& reply) {
+  for (const exec::HeldBytes& use : uses) {
+    v1::HeldBytes& held = *reply.Add();
+    held.set_kind(use.kind);
+    held.set_bytes(use.bytes);
+  }
+}
+
+void describe_held(const exec::MemoryAccount& memory, v1::GetServerInfoResponse& info) {
+  add(memory.uses(), *info.mutable_memory());
+  add(memory.tree_uses(), *info.mutable_tree_memory());
+  info.set_tree_pieces_evicted(memory.trees()->evictions());
+  info.set_tree_bytes_evicted(memory.trees()->evicted_bytes());
 }
 
 void describe_calls(const ServerConfig& config, v1::GetServerInfoResponse& info) {
@@ -186,13 +203,15 @@ v1::GetServerInfoResponse describe(const ServerConfig& config, std::size_t max_c
 
 }  // namespace
 
-InfoRpc::InfoRpc(const ServerConfig& config, std::size_t max_connections)
-    : info_(describe(config, max_connections)) {}
+InfoRpc::InfoRpc(const ServerConfig& config, std::size_t max_connections,
+                 const exec::MemoryAccount& memory)
+    : info_(describe(config, max_connections)), memory_(memory) {}
 
 grpc::ServerUnaryReactor* InfoRpc::GetServerInfo(grpc::CallbackServerContext* context,
                                                  const v1::GetServerInfoRequest*,
                                                  v1::GetServerInfoResponse* reply) {
   *reply = info_;
+  describe_held(memory_, *reply);
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   reactor->Finish(grpc::Status::OK);
   return reactor;

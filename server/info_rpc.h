@@ -4,14 +4,16 @@
 #include <cstddef>
 
 #include "server/config.h"
+#include "server/exec/memory_account.h"
 #include "sightline/v1/server.grpc.pb.h"
 
 namespace sightline::server {
 
 class InfoRpc : public v1::ServerService::CallbackService {
  public:
-  /// `max_connections`: that are open at a time.
-  InfoRpc(const ServerConfig& config, std::size_t max_connections);
+  /// `max_connections`: that are open at a time. `memory` outlives this object.
+  InfoRpc(const ServerConfig& config, std::size_t max_connections,
+          const exec::MemoryAccount& memory);
 
   grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context,
                                           const v1::GetServerInfoRequest* request,
@@ -21,7 +23,8 @@ class InfoRpc : public v1::ServerService::CallbackService {
                                     v1::ReadLogResponse* reply) override;
 
  private:
-  const v1::GetServerInfoResponse info_;  // constant while the server runs
+  const v1::GetServerInfoResponse info_;  // what is constant while the server runs
+  const exec::MemoryAccount& memory_;
 };
 
 }  // namespace sightline::server

@@ -68,6 +68,7 @@ State::State(const ServerConfig& c, std::unique_ptr<store::Store> disk)
                                        : nullptr)),
       scenes(memory, keeper.get()),
       reclaimer(memory, scenes, blobs),
+      eviction(reclaimer, *memory.trees()),
       compute(c.threads) {
   memory.set_reclaim([this](std::uint64_t bytes) { reclaimer.reclaim(bytes); });
   if (store != nullptr) sweeper.emplace(durable::StoreParts{*store, blobs, compute});

@@ -18,6 +18,7 @@
 #include "server/exec/quotas.h"
 #include "server/exec/unread_replies.h"
 #include "server/metrics/metrics.h"
+#include "server/scenes/eviction_thread.h"
 #include "server/scenes/reclaim.h"
 #include "server/scenes/scene_store.h"
 #include "server/scenes/services.h"
@@ -45,6 +46,7 @@ struct State {
   std::optional<durable::Sweeper> sweeper;  // with a store
   scenes::Reclaimer reclaimer;
   exec::HeapTrimmer trimmer;  // used by enforce_limits()
+  scenes::EvictionThread eviction;
   exec::Deadlines deadlines;
   exec::Compute compute;
   /// The store reports to tasks until nothing is under way any more.

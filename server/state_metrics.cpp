@@ -1,7 +1,6 @@
 // Metrics of what the server holds now.
 #include "server/state_metrics.h"
 
-#include <array>
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -21,20 +20,21 @@ double number(std::uint64_t value) { return static_cast<double>(value); }
 
 void add_memory(Samples& samples, const exec::MemoryAccount& memory) {
   using exec::Held;
-  constexpr std::array<std::pair<Held, const char*>, exec::kHeldKinds> kNames{
-      {{Held::kMeshes, "meshes"},
-       {Held::kUploads, "uploads"},
-       {Held::kPatches, "patches"},
-       {Held::kNodes, "nodes"},
-       {Held::kLogs, "logs"},
-       {Held::kTrees, "trees"},
-       {Held::kCalls, "calls"}}};
   samples.add_gauge("memory_budget_bytes", "Limit of what is held.", number(memory.budget()));
-  for (const auto& [kind, name] : kNames) {
+  for (const exec::HeldBytes& use : memory.uses()) {
     samples.add_gauge("memory_used_bytes", "What is held, by what it is held for.",
-                      number(memory.used(kind)), {{"kind", name}});
+                      number(use.bytes), {{"kind", use.kind}});
   }
   samples.add_gauge("tree_bytes", "Bytes of all trees.", number(memory.used(Held::kTrees)));
+  for (const exec::HeldBytes& part : memory.tree_uses()) {
+    samples.add_gauge("tree_memory_bytes", "Bytes of all trees, by their parts.",
+                      number(part.bytes), {{"part", part.kind}});
+  }
+  samples.add_counter("tree_pieces_evicted_total",
+                      "Subtrees and lists that were evicted from trees of meshes.",
+                      number(memory.trees()->evictions()));
+  samples.add_counter("tree_bytes_evicted_total", "Their bytes.",
+                      number(memory.trees()->evicted_bytes()));
 }
 
 void add_queues(Samples& samples, const exec::Admission& admission,

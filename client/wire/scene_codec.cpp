@@ -161,6 +161,8 @@ SceneStats decode(const v1::GetSceneStatsResponse& stats) {
   out.triangles_total = stats.triangles_total();
   out.bytes_geometry = stats.bytes_geometry();
   out.bytes_trees = stats.bytes_trees();
+  out.bytes_lists = stats.bytes_lists();
+  out.bytes_wide_nodes = stats.bytes_wide_nodes();
   out.static_instances = stats.static_instances();
   out.dynamic_instances = stats.dynamic_instances();
   return out;
@@ -183,6 +185,11 @@ NodeInfo decode(const v1::Node& node) {
 }
 
 ServerInfo decode(const v1::GetServerInfoResponse& info) {
+  const auto held = [](const auto& from) {
+    std::vector<HeldBytes> to;
+    for (const v1::HeldBytes& one : from) to.push_back({one.kind(), one.bytes()});
+    return to;
+  };
   ServerInfo out;
   out.version = info.version();
   out.features.assign(info.features().begin(), info.features().end());
@@ -214,6 +221,10 @@ ServerInfo decode(const v1::GetServerInfoResponse& info) {
   out.max_scenes = info.max_scenes();
   out.max_connections = info.max_connections();
   out.memory_budget_bytes = info.memory_budget_bytes();
+  out.memory = held(info.memory());
+  out.tree_memory = held(info.tree_memory());
+  out.tree_pieces_evicted = info.tree_pieces_evicted();
+  out.tree_bytes_evicted = info.tree_bytes_evicted();
   out.is_durable =
       std::find(out.features.begin(), out.features.end(), "durable") != out.features.end();
   return out;

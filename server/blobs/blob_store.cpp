@@ -13,11 +13,12 @@ Error not_stored(const BlobDigest& digest) {
   return {Code::kNotFound, fmt::format("there is no mesh {}", digest.text()), "BLOB_NOT_STORED"};
 }
 
-Result<BlobStore::MeshPointer> read_mesh(const BlobDigest& digest, const store::BlobBytes& blob) {
+Result<BlobStore::MeshPointer> read_mesh(const BlobDigest& digest, const store::BlobBytes& blob,
+                                         const accel::mesh::TreeBuilder& builder = {}) {
   MeshBlobReader reader(digest.size);
   if (const Status read = reader.append(blob.bytes()); !read)
     return Error{Code::kDataLoss, read.error().message, "BLOB_CORRUPT"};
-  auto mesh = reader.finish();
+  auto mesh = reader.finish(builder);
   if (!mesh) return Error{Code::kDataLoss, mesh.error().message, "BLOB_CORRUPT"};
   return mesh;
 }
@@ -47,7 +48,7 @@ Result<BlobStore::MeshPointer> BlobStore::load(const BlobDigest& digest) {
   if (!blob) return blob.error();
   auto charge = memory_.reclaim_and_charge(exec::Held::kMeshes, digest.size);
   if (!charge) return charge.error();
-  auto mesh = read_mesh(digest, **blob);
+  auto mesh = read_mesh(digest, **blob, builder());
   if (!mesh) return mesh.error();
   return insert(digest, std::move(*mesh), std::move(*charge));
 }
@@ -157,7 +158,7 @@ Result<std::shared_ptr<Upload>> BlobStore::resume(const BlobDigest& digest, std:
 }
 
 Result<BlobStore::MeshPointer> BlobStore::complete(const std::shared_ptr<Upload>& upload) {
-  Result<MeshPointer> made = upload->finish();
+  Result<MeshPointer> made = upload->finish(builder());
   exec::Quotas::Use stored;
   {
     const std::lock_guard lock(mutex_);
@@ -200,11 +201,12 @@ UploadStatus BlobStore::status(const BlobDigest& digest) const {
   return {found == pending_.end() ? 0 : found->upload->committed(), false};
 }
 
-std::uint64_t BlobStore::tree_bytes() const {
+std::vector<BlobStore::MeshPointer> BlobStore::meshes() const {
   const std::lock_guard lock(mutex_);
-  std::uint64_t bytes = 0;
-  for (const auto& [digest, stored] : meshes_) bytes += stored.mesh->tree_bytes();
-  return bytes;
+  std::vector<MeshPointer> meshes;
+  meshes.reserve(meshes_.size());
+  for (const auto& [digest, stored] : meshes_) meshes.push_back(stored.mesh);
+  return meshes;
 }
 
 BlobStore::PendingList::const_iterator BlobStore::set_aside_of(const BlobDigest& digest) const {

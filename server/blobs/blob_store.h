@@ -51,8 +51,8 @@ class BlobStore {
  public:
   using MeshPointer = std::shared_ptr<const scenegraph::model::Mesh>;
 
-  /// Meshes, and uploads at their full size, are charged to `memory`. `disk`: null for none. Both
-  /// outlive this object.
+  /// Meshes, and uploads at their full size, are charged to `memory`, and trees count there.
+  /// `disk`: null for none. Both outlive this object.
   explicit BlobStore(exec::MemoryAccount& memory, BlobLimits limits = {},
                      store::Store* disk = nullptr)
       : memory_(memory), limits_(limits), disk_(disk) {}
@@ -106,8 +106,8 @@ class BlobStore {
   /// Removes meshes from the disk that nothing names and nothing in this process uses. Needs a
   /// disk. Returns and errors: as store::Store::sweep().
   Result<std::uint64_t> sweep(Upload::Clock::duration grace);
-  /// Bytes of the trees of all meshes.
-  std::uint64_t tree_bytes() const;
+  /// All that are in memory.
+  std::vector<MeshPointer> meshes() const;
 
  private:
   struct Pending {
@@ -126,6 +126,8 @@ class BlobStore {
   };
   using PendingList = std::list<Pending>;
 
+  /// Of the trees of all meshes: they count in the account.
+  accel::mesh::TreeBuilder builder() const { return {.memory = memory_.trees()}; }
   MeshPointer insert(const BlobDigest& digest, MeshPointer mesh,
                      exec::MemoryAccount::Charge charge);
   Result<std::unique_ptr<store::BlobWriter>> writer(const BlobDigest& digest);

@@ -114,11 +114,12 @@ Status MeshBlobReader::read_header() {
   return {};
 }
 
-Result<std::shared_ptr<const scenegraph::model::Mesh>> MeshBlobReader::finish() {
+Result<std::shared_ptr<const scenegraph::model::Mesh>> MeshBlobReader::finish(
+    const accel::mesh::TreeBuilder& builder) {
   if (received_ != size_ || size_ < kMeshBlobHeader) {
     return bad_blob(fmt::format("{} bytes arrived of a blob of {}", received_, size_));
   }
-  return scenegraph::model::Mesh::make(std::move(vertices_), std::move(faces_));
+  return scenegraph::model::Mesh::make(std::move(vertices_), std::move(faces_), builder);
 }
 
 }  // namespace sightline::server::blobs

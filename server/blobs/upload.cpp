@@ -37,7 +37,8 @@ Status Upload::append(std::uint64_t offset, std::span<const std::byte> bytes) {
   return {};
 }
 
-Result<std::shared_ptr<const scenegraph::model::Mesh>> Upload::finish() {
+Result<std::shared_ptr<const scenegraph::model::Mesh>> Upload::finish(
+    const accel::mesh::TreeBuilder& builder) {
   const std::lock_guard lock(mutex_);
   if (!content_) return dropped(digest_);
   // Missing bytes have their own error, so the checksum is compared only if all have arrived.
@@ -46,7 +47,7 @@ Result<std::shared_ptr<const scenegraph::model::Mesh>> Upload::finish() {
                  fmt::format("the bytes that arrived are not those of {}", digest_.text()),
                  "DIGEST_MISMATCH"};
   }
-  auto mesh = content_->reader.finish();
+  auto mesh = content_->reader.finish(builder);
   if (!mesh || content_->writer == nullptr) return mesh;
   if (const Status kept = content_->writer->finish(); !kept) return kept.error();
   return mesh;

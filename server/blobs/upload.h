@@ -40,10 +40,12 @@ class Upload {
   /// and BlobWriter::append.
   Status append(std::uint64_t offset, std::span<const std::byte> bytes);
 
-  /// Makes the mesh after all bytes have arrived; with a writer, it is then on disk. Errors:
+  /// Makes the mesh, with this builder of its tree, after all bytes have arrived; with a writer, it
+  /// is then on disk. Errors:
   /// kDataLoss (the bytes do not match the digest), kAborted, as MeshBlobReader::finish and
   /// BlobWriter::finish.
-  Result<std::shared_ptr<const scenegraph::model::Mesh>> finish();
+  Result<std::shared_ptr<const scenegraph::model::Mesh>> finish(
+      const accel::mesh::TreeBuilder& builder = {});
 
   /// Frees the content, unless a thread uses it now. Returns whether it was freed.
   bool drop();

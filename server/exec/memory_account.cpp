@@ -18,8 +18,7 @@ MemoryAccount::Charge& MemoryAccount::Charge::operator=(Charge&& other) noexcept
 
 void MemoryAccount::Charge::resize(std::uint64_t bytes) {
   if (account_ == nullptr) return;
-  auto& held = account_->held_[index(kind_)];
-  held.fetch_add(bytes - bytes_);  // may wrap around, as unsigned numbers do
+  account_->add(kind_, bytes - bytes_);
   bytes_ = bytes;
 }
 
@@ -37,8 +36,18 @@ Result<MemoryAccount::Charge> MemoryAccount::charge(Held kind, std::uint64_t byt
 }
 
 MemoryAccount::Charge MemoryAccount::record(Held kind, std::uint64_t bytes) {
-  held_[index(kind)].fetch_add(bytes);
+  add(kind, bytes);
   return {this, kind, bytes};
+}
+
+/// `bytes` wraps around where less is held.
+void MemoryAccount::add(Held kind, std::uint64_t bytes) {
+  held_[index(kind)].fetch_add(bytes);
+  trees_->add_others(bytes);
+}
+
+void MemoryAccount::set_scene_trees(std::uint64_t bytes) {
+  trees_->add_others(bytes - held_[index(Held::kTrees)].exchange(bytes));
 }
 
 Result<MemoryAccount::Charge> MemoryAccount::reclaim_and_charge(Held kind, std::uint64_t bytes) {
@@ -55,8 +64,25 @@ Status MemoryAccount::reclaim(Held kind, std::uint64_t bytes) {
 }
 
 std::uint64_t MemoryAccount::used() const {
-  return std::accumulate(held_.begin(), held_.end(), std::uint64_t{0},
+  return std::accumulate(held_.begin(), held_.end(), trees_->held(),
                          [](std::uint64_t sum, const auto& held) { return sum + held.load(); });
+}
+
+std::vector<HeldBytes> MemoryAccount::uses() const {
+  return {{"meshes", used(Held::kMeshes)},   {"patches", used(Held::kPatches)},
+          {"uploads", used(Held::kUploads)}, {"nodes", used(Held::kNodes)},
+          {"logs", used(Held::kLogs)},       {"revisions", used(Held::kRevisions)},
+          {"calls", used(Held::kCalls)},     {"trees", used(Held::kTrees)}};
+}
+
+std::vector<HeldBytes> MemoryAccount::tree_uses() const {
+  using accel::kdtree::TreeBytes;
+  return {{"scenes", held_[index(Held::kTrees)].load()},
+          {"nodes", trees_->held(TreeBytes::kNodes)},
+          {"lists", trees_->held(TreeBytes::kLists)},
+          {"wide_nodes", trees_->held(TreeBytes::kSubtrees)},
+          {"growing", trees_->held(TreeBytes::kGrowing)},
+          {"retired", trees_->held(TreeBytes::kRetired)}};
 }
 
 bool MemoryAccount::fits(Held kind, std::uint64_t bytes) const {
@@ -71,10 +97,10 @@ Error MemoryAccount::over(Held kind, std::uint64_t bytes) const {
       Code::kResourceExhausted,
       fmt::format("{} of {} bytes are held (the memory budget is {}), and {} more do not fit: {} "
                   "for meshes, {} for uploads, {} for patched meshes, {} for nodes, {} for "
-                  "logs, {} for trees, {} for calls",
+                  "logs, {} for revisions, {} for trees, {} for calls",
                   used(), limit(kind), budget_, bytes, used(Held::kMeshes), used(Held::kUploads),
-                  used(Held::kPatches), used(Held::kNodes), used(Held::kLogs), used(Held::kTrees),
-                  used(Held::kCalls)),
+                  used(Held::kPatches), used(Held::kNodes), used(Held::kLogs),
+                  used(Held::kRevisions), used(Held::kTrees), used(Held::kCalls)),
       kMemoryBudget};
 }
 

@@ -6,24 +6,28 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "accel/kdtree/tree_memory.h"
 #include "accel/result.h"
 
 namespace sightline::server::exec {
 
 /// What bytes are held for.
 enum class Held : std::uint8_t {
-  kMeshes,   ///< Uploaded meshes.
-  kUploads,  ///< Uploads in progress, at their full size.
-  kPatches,  ///< Meshes that updates have made.
-  kNodes,    ///< Scenes and their nodes.
-  kLogs,     ///< Updates, answers and revisions that scenes keep.
-  kTrees,    ///< Trees of meshes and scenes.
-  kCalls,    ///< Requests in work, batches half sent, replies not read.
+  kMeshes,     ///< Uploaded meshes.
+  kUploads,    ///< Uploads in progress, at their full size.
+  kPatches,    ///< Meshes that updates have made.
+  kNodes,      ///< Scenes and their nodes.
+  kLogs,       ///< Updates and answers that scenes keep.
+  kRevisions,  ///< Older revisions that scenes keep, without their meshes.
+  kTrees,      ///< Trees of meshes and scenes.
+  kCalls,      ///< Requests in work, batches half sent, replies not read.
 };
-inline constexpr std::size_t kHeldKinds = 7;
+inline constexpr std::size_t kHeldKinds = 8;
 
 /// Calls have 1 / kForCallsShare of the budget for themselves.
 inline constexpr std::uint64_t kForCallsShare = 8;
@@ -31,8 +35,14 @@ inline constexpr std::uint64_t kForCallsShare = 8;
 /// The reason of the error when the budget is used up.
 inline constexpr const char* kMemoryBudget = "MEMORY_BUDGET";
 
-/// One account for the whole server. Whatever holds bytes owns a Charge for them. Threads: any, for
-/// every member.
+/// What is held, for reports.
+struct HeldBytes {
+  const char* kind;
+  std::uint64_t bytes;
+};
+
+/// One account for the whole server. Whatever holds bytes owns a Charge for them; trees of meshes
+/// count theirs themselves (trees()). Threads: any, for every member.
 class MemoryAccount {
  public:
   /// Bytes held for one purpose; the destructor gives them back. Must not outlive the account.
@@ -63,7 +73,9 @@ class MemoryAccount {
 
   /// `for_calls`: bytes of the budget that only kCalls may use.
   explicit MemoryAccount(std::uint64_t budget, std::uint64_t for_calls = 0)
-      : budget_(budget), for_calls_(for_calls) {}
+      : budget_(budget),
+        for_calls_(for_calls),
+        trees_(std::make_shared<accel::kdtree::TreeMemory>(limit(Held::kTrees))) {}
 
   /// Call it before the first charge.
   void set_reclaim(Reclaim reclaim) { reclaim_ = std::move(reclaim); }
@@ -77,11 +89,23 @@ class MemoryAccount {
   Result<Charge> reclaim_and_charge(Held kind, std::uint64_t bytes);
   /// Drops what can be made again until `bytes` more fit. Errors: as charge().
   Status reclaim(Held kind, std::uint64_t bytes);
-  /// Sets what trees hold: they grow while rays are traced, and are measured from time to time.
-  void set_trees(std::uint64_t bytes) { held_[index(Held::kTrees)].store(bytes); }
+  /// What the trees of meshes count their bytes in. Its limit is what all else leaves.
+  const std::shared_ptr<accel::kdtree::TreeMemory>& trees() const { return trees_; }
+  /// Sets what the trees of scenes over their instances hold: they are small, and measured from
+  /// time to time.
+  void set_scene_trees(std::uint64_t bytes);
 
   std::uint64_t used() const;
-  std::uint64_t used(Held kind) const { return held_[index(kind)].load(); }
+  std::uint64_t used(Held kind) const {
+    const std::uint64_t held = held_[index(kind)].load();
+    return kind == Held::kTrees ? held + trees_->held() : held;
+  }
+  /// Of that: no longer in use, and freed once the batches in flight have gone on.
+  std::uint64_t retired() const { return trees_->held(accel::kdtree::TreeBytes::kRetired); }
+  /// By what it is held for. Together that is used().
+  std::vector<HeldBytes> uses() const;
+  /// The parts of used(Held::kTrees).
+  std::vector<HeldBytes> tree_uses() const;
   std::uint64_t budget() const { return budget_; }
   /// The part of the budget that this kind may fill.
   std::uint64_t limit(Held kind) const {
@@ -90,10 +114,12 @@ class MemoryAccount {
 
  private:
   static std::size_t index(Held kind) { return static_cast<std::size_t>(kind); }
+  void add(Held kind, std::uint64_t bytes);
   bool fits(Held kind, std::uint64_t bytes) const;
   Error over(Held kind, std::uint64_t bytes) const;
 
   const std::uint64_t budget_, for_calls_;
+  const std::shared_ptr<accel::kdtree::TreeMemory> trees_;
   Reclaim reclaim_;
   // Charges race past the limit by at most what they add at that moment.
   std::array<std::atomic<std::uint64_t>, kHeldKinds> held_{};

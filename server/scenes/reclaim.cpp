@@ -5,19 +5,46 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <vector>
 
 #include "accel/kdtree/epoch.h"
+#include "scenegraph/model/eviction.h"
 
 namespace sightline::server::scenes {
 
 void free_dropped_trees() { accel::kdtree::reclaim(); }
 
 void Reclaimer::measure() {
-  std::uint64_t bytes = blobs_.tree_bytes() + accel::kdtree::retired_bytes();
-  for (const auto& scene : scenes_.by_last_cast()) bytes += scene->tree_bytes();
-  memory_.set_trees(bytes);
+  std::uint64_t bytes = 0;
+  for (const auto& scene : scenes_.by_last_cast()) bytes += scene->placed_tree_bytes();
+  memory_.set_scene_trees(bytes);
+  const std::uint64_t evictions = memory_.trees()->evictions();
+  // Freed blocks in the middle of the heap are otherwise kept.
+  if (trimmed_at_.exchange(evictions) != evictions) malloc_trim(0);
+}
+
+std::vector<std::shared_ptr<const scenegraph::model::Mesh>> Reclaimer::all_meshes() const {
+  auto meshes = blobs_.meshes();
+  for (const auto& scene : scenes_.by_last_cast()) {
+    auto patched = scene->patched_meshes();
+    meshes.insert(meshes.end(), std::make_move_iterator(patched.begin()),
+                  std::make_move_iterator(patched.end()));
+  }
+  return meshes;
+}
+
+std::uint64_t Reclaimer::evict_pieces(std::uint64_t bytes) {
+  accel::kdtree::TreeMemory& trees = *memory_.trees();
+  const std::uint64_t limit = trees.limit();
+  return scenegraph::model::evict(all_meshes(), trees,
+                                  std::min(trees.low_water(), limit - std::min(limit, bytes)));
+}
+
+std::uint64_t Reclaimer::evict_to_low_water() {
+  const std::lock_guard lock(mutex_);
+  return evict_pieces(0);
 }
 
 void Reclaimer::reclaim(std::uint64_t bytes) {
@@ -39,7 +66,8 @@ void Reclaimer::reclaim(std::uint64_t bytes) {
   measure();
   drop_unused_meshes(bytes, blobs::Unused::kStale);
   each_scene([](StoredScene& scene) { scene.drop_old_updates(); });
-  each_scene([this](StoredScene& scene) { trees_freed(scene.drop_trees()); });
+  if (!fits(bytes)) evict_pieces(bytes);
+  each_scene([this](StoredScene& scene) { tree_dropped(scene.drop_trees()); });
   drop_unused_meshes(bytes, blobs::Unused::kAny);
   while (!fits(bytes) && blobs_.drop_idle()) {
   }
@@ -56,20 +84,18 @@ void Reclaimer::drop_unused_meshes(std::uint64_t bytes, blobs::Unused which) {
   while (!fits(bytes)) {
     const auto tree = blobs_.drop_unused_mesh(which);
     if (!tree) return;
-    trees_freed(*tree);
+    tree_dropped(*tree);
   }
 }
 
-/// Instead of measure(), which visits all scenes.
-void Reclaimer::trees_freed(std::uint64_t bytes) {
-  if (bytes == 0) return;
-  ++evictions_;
-  const std::uint64_t now = memory_.used(exec::Held::kTrees);
-  memory_.set_trees(now - std::min(now, bytes));
+void Reclaimer::tree_dropped(std::uint64_t bytes) {
+  if (bytes > 0) ++evictions_;
 }
 
 bool Reclaimer::fits(std::uint64_t bytes) const {
-  const std::uint64_t used = memory_.used(), limit = memory_.limit(exec::Held::kTrees);
+  // What is retired is freed soon, and nothing is dropped in its place.
+  const std::uint64_t held = memory_.used(), limit = memory_.limit(exec::Held::kTrees);
+  const std::uint64_t used = held - std::min(held, memory_.retired());
   return used <= limit && bytes <= limit - used;
 }
 

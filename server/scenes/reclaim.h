@@ -4,7 +4,9 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <mutex>
+#include <vector>
 
 #include "server/blobs/blob_store.h"
 #include "server/exec/memory_account.h"
@@ -22,28 +24,36 @@ class Reclaimer {
   Reclaimer(exec::MemoryAccount& memory, SceneStore& scenes, blobs::BlobStore& blobs)
       : memory_(memory), scenes_(scenes), blobs_(blobs) {}
 
-  /// Reports to the account what trees hold. Cost: the number of scenes and of meshes.
+  /// Reports to the account what the scenes' trees over their instances hold, and gives memory that
+  /// evictions have freed back to the system. Cost: the number of scenes.
   void measure();
 
   /// Drops, until `bytes` more fit into the budget or nothing is left: uploads set aside; old
   /// revisions; meshes that no scene uses, unless they are fresh; updates beyond kMinLogged
-  /// revisions; the trees of scenes; fresh meshes; uploads without progress. Of scenes, those first
-  /// at which rays were cast longest ago. May take long; a second thread waits for the first.
+  /// revisions; pieces of meshes' trees, the least valuable first (scenegraph/model/eviction.h);
+  /// the trees of scenes, those first at which rays were cast longest ago; fresh meshes; uploads
+  /// without progress. May take long; a second thread waits for the first.
   void reclaim(std::uint64_t bytes);
 
-  /// How many times the trees of a scene or a mesh were dropped.
+  /// Evicts pieces of trees until these are at their low water mark. Returns the bytes evicted.
+  std::uint64_t evict_to_low_water();
+
+  /// How many times the trees of a scene or a mesh were dropped whole.
   std::uint64_t evictions() const { return evictions_.load(); }
 
  private:
   bool fits(std::uint64_t bytes) const;
   void drop_unused_meshes(std::uint64_t bytes, blobs::Unused which);
-  void trees_freed(std::uint64_t bytes);
+  void tree_dropped(std::uint64_t bytes);
+  std::uint64_t evict_pieces(std::uint64_t bytes);
+  std::vector<std::shared_ptr<const scenegraph::model::Mesh>> all_meshes() const;
 
   exec::MemoryAccount& memory_;
   SceneStore& scenes_;
   blobs::BlobStore& blobs_;
   std::atomic<std::uint64_t> evictions_{0};
-  std::mutex mutex_;  // held while memory is freed
+  std::atomic<std::uint64_t> trimmed_at_{0};  // evictions of pieces, when memory was given back
+  std::mutex mutex_;                          // held while memory is freed
 };
 
 }  // namespace sightline::server::scenes

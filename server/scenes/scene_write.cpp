@@ -201,7 +201,7 @@ void StoredScene::publish(Publication& publication) noexcept {
   if (unsettled != nullptr) replaced.bytes += bytes_of_replaced_trees(*unsettled, *before);
   scene_.publish_next();
   replaced.bytes += bytes_of_replaced_trees(*before, *scene_.snapshot());
-  auto kept = memory_.record(exec::Held::kLogs, replaced.bytes - replaced.meshes);
+  auto kept = memory_.record(exec::Held::kRevisions, replaced.bytes - replaced.meshes);
   auto dropped = recent_.account(replaced.bytes, std::move(kept));
   const UpdateLog::Updates logged = publication.entry.updates;
   log_.add(std::move(publication.entry));

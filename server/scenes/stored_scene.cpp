@@ -71,18 +71,20 @@ std::optional<std::uint64_t> StoredScene::unread() const {
   return std::max(*unread_, follower_->noted());
 }
 
-std::uint64_t StoredScene::tree_bytes() const {
-  const auto snapshot = scene_.snapshot();
-  std::uint64_t bytes = bytes_of(snapshot->shared_trees());
+std::uint64_t StoredScene::placed_tree_bytes() const {
+  return bytes_of(scene_.snapshot()->shared_trees());
+}
+
+std::vector<std::shared_ptr<const scenegraph::model::Mesh>> StoredScene::patched_meshes() const {
+  std::vector<std::shared_ptr<const scenegraph::model::Mesh>> meshes;
   const std::lock_guard lock(patched_mutex_);
-  const scenegraph::model::Mesh* last = nullptr;  // several patches of one mesh follow each other
   for (const auto& patched : patched_) {
-    const auto mesh = patched.lock();
-    if (mesh == nullptr || mesh.get() == last) continue;
-    bytes += mesh->tree_bytes();
-    last = mesh.get();
+    auto mesh = patched.lock();
+    // Several patches of one mesh follow each other.
+    if (mesh != nullptr && (meshes.empty() || mesh != meshes.back()))
+      meshes.push_back(std::move(mesh));
   }
-  return bytes;
+  return meshes;
 }
 
 void StoredScene::free_dropped() {

@@ -149,9 +149,10 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   void touch() { last_cast_.store(Clock::now(), std::memory_order_relaxed); }
   /// When touch() was called last; at first, when the scene was made.
   Clock::time_point last_cast() const { return last_cast_.load(std::memory_order_relaxed); }
-  /// Bytes of the trees of the newest revision, without those of uploaded meshes. Cost: the number
-  /// of meshes that updates have made.
-  std::uint64_t tree_bytes() const;
+  /// Bytes of the trees of the newest revision over its instances.
+  std::uint64_t placed_tree_bytes() const;
+  /// The meshes that updates have made, and that are still used. Cost: their number.
+  std::vector<std::shared_ptr<const scenegraph::model::Mesh>> patched_meshes() const;
 
   /// Drops all revisions except the newest, and with them the meshes that only they use.
   void drop_old_revisions();

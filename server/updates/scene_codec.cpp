@@ -143,6 +143,8 @@ void encode_stats(const scenes::RevisionToken& revision,
   reply.set_triangles_total(summary.triangles_total);
   reply.set_bytes_geometry(summary.bytes_geometry);
   reply.set_bytes_trees(summary.bytes_trees);
+  reply.set_bytes_lists(summary.bytes_lists);
+  reply.set_bytes_wide_nodes(summary.bytes_wide_nodes);
   reply.set_static_instances(summary.static_instances);
   reply.set_dynamic_instances(summary.dynamic_instances);
 }

@@ -94,6 +94,22 @@ Verb add_verb_competitive(CLI::App& app) {
   return [options](const CommonOptions& common) { return run_competitive(common, *options); };
 }
 
+Verb add_verb_budget(CLI::App& app) {
+  auto options = std::make_shared<BudgetOptions>();
+  CLI::App& verb = *app.add_subcommand(
+      "budget", "Rays for a time at trees that may hold only a share of what full ones do");
+  const CLI::Range counts(std::size_t{1}, std::size_t{1'000'000'000});
+  verb.add_option("--rays", options->kinds, std::string(kRayKinds) + "; several by commas")
+      ->delimiter(',');
+  verb.add_option("--budget", options->share, "Of the bytes of full trees")
+      ->check(CLI::Range(0.0, 10.0));
+  verb.add_option("--seconds", options->seconds, "Of casting, for each kind")
+      ->check(CLI::Range(0.0, 1e6));
+  verb.add_option("--count", options->rays, "Rays of a set; eight sets take turns")->check(counts);
+  verb.add_option("--batch", options->batch, "Rays a batch")->check(counts);
+  return [options](const CommonOptions& common) { return run_budget(common, *options); };
+}
+
 Verb add_verb_dynamic(CLI::App& app) {
   auto options = std::make_shared<DynamicOptions>();
   CLI::App& verb = *app.add_subcommand(
@@ -317,6 +333,7 @@ std::map<std::string, Verb> add_verbs(CLI::App& app) {
           {"law", add_verb_law(app)},
           {"kernel", add_verb_kernel(app)},
           {"competitive", add_verb_competitive(app)},
+          {"budget", add_verb_budget(app)},
           {"calibrate", add_verb_calibrate(app)},
           {"curve", add_verb_curve(app)},
           {"exactness", add_verb_exactness(app)},

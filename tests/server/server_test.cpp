@@ -6,6 +6,7 @@
 #include <grpcpp/support/byte_buffer.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -116,8 +117,31 @@ TEST_F(ServerTest, ReportsItsLimits) {
   std::vector<const google::protobuf::FieldDescriptor*> reported;
   info.GetReflection()->ListFields(info, &reported);
   EXPECT_FALSE(info.has_storage()) << "this server has no data directory";
-  EXPECT_EQ(reported.size() + 1, static_cast<std::size_t>(info.GetDescriptor()->field_count()))
+  // And the two counts of what was evicted, which are 0.
+  EXPECT_EQ(reported.size() + 3, static_cast<std::size_t>(info.GetDescriptor()->field_count()))
       << "a limit is missing";
+}
+
+TEST_F(ServerTest, ReportsWhatItHolds) {
+  api_.make_scene(kScene, planar_sheet(60));
+  ASSERT_TRUE(cast_one().ok());
+  grpc::ClientContext context;
+  v1::GetServerInfoResponse info;
+  ASSERT_TRUE(api_.server->GetServerInfo(&context, {}, &info).ok());
+  const auto bytes = [](const auto& held, const std::string& kind) {
+    const auto found =
+        std::find_if(held.begin(), held.end(), [&](const auto& one) { return one.kind() == kind; });
+    EXPECT_NE(found, held.end()) << kind;
+    return found == held.end() ? 0 : found->bytes();
+  };
+  EXPECT_GE(bytes(info.memory(), "meshes"), 61u * 61 * 12 + 60u * 60 * 2 * 12);
+  EXPECT_GT(bytes(info.memory(), "nodes"), 0u);
+  EXPECT_GT(bytes(info.memory(), "trees"), 0u);
+  EXPECT_EQ(bytes(info.memory(), "patches"), 0u);
+  std::uint64_t of_trees = 0;
+  for (const v1::HeldBytes& part : info.tree_memory()) of_trees += part.bytes();
+  EXPECT_GT(of_trees, 0u);
+  EXPECT_GT(bytes(info.tree_memory(), "lists"), 0u);
 }
 
 TEST_F(ServerTest, ServesHealthAndReflection) {

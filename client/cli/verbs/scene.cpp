@@ -187,6 +187,8 @@ Json json_of(const std::string& scene, const SceneStats& stats) {
           {"triangles_total", stats.triangles_total},
           {"bytes_geometry", stats.bytes_geometry},
           {"bytes_trees", stats.bytes_trees},
+          {"bytes_lists", stats.bytes_lists},
+          {"bytes_wide_nodes", stats.bytes_wide_nodes},
           {"static_instances", stats.static_instances},
           {"dynamic_instances", stats.dynamic_instances},
           {"static_share", share(stats.static_instances, stats.instances_total)},
@@ -201,8 +203,9 @@ void print_table(const std::string& scene, const SceneStats& stats) {
   fmt::print("  trees      {} begun: {} cells expanded, {} deferred\n",
              format_count(stats.trees_built), format_count(stats.cells_expanded),
              format_count(stats.cells_deferred));
-  fmt::print("  memory     {} of geometry, {} of trees\n", format_bytes(stats.bytes_geometry),
-             format_bytes(stats.bytes_trees));
+  fmt::print("  memory     {} of geometry, {} of trees: {} of wide nodes, {} of lists\n",
+             format_bytes(stats.bytes_geometry), format_bytes(stats.bytes_trees),
+             format_bytes(stats.bytes_wide_nodes), format_bytes(stats.bytes_lists));
   fmt::print("  mobility   {} static, {} dynamic\n", format_count(stats.static_instances),
              format_count(stats.dynamic_instances));
 }

@@ -2,12 +2,31 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
 
 #include "client/cli/terminal.h"
 #include "client/cli/verbs/verbs.h"
 
 namespace sightline::client::cli::verbs {
 namespace {
+
+Json json_of(const std::vector<HeldBytes>& held) {
+  Json json = Json::object();
+  for (const HeldBytes& one : held) json[printable(one.kind)] = one.bytes;
+  return json;
+}
+
+/// "meshes 12 MB, trees 3 MB": what is not nothing.
+std::string text_of(const std::vector<HeldBytes>& held) {
+  std::string text;
+  for (const HeldBytes& one : held) {
+    if (one.bytes == 0) continue;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", printable(one.kind),
+                        format_bytes(one.bytes));
+  }
+  return text.empty() ? "nothing" : text;
+}
 
 Json json_of(const Session& session, const ServerInfo& info) {
   return {{"endpoint", session.endpoint},
@@ -18,6 +37,10 @@ Json json_of(const Session& session, const ServerInfo& info) {
           {"durable", info.is_durable},
           {"features", info.features},
           {"memory_budget_bytes", info.memory_budget_bytes},
+          {"memory_bytes", json_of(info.memory)},
+          {"tree_memory_bytes", json_of(info.tree_memory)},
+          {"tree_pieces_evicted", info.tree_pieces_evicted},
+          {"tree_bytes_evicted", info.tree_bytes_evicted},
           {"max_scenes", info.max_scenes},
           {"max_connections", info.max_connections},
           {"max_message_bytes", info.max_message_bytes},
@@ -36,6 +59,10 @@ void print_table(const Session& session, const ServerInfo& info) {
              info.is_durable ? "kept on disk" : "kept in memory only",
              format_count(info.max_scenes));
   fmt::print("  memory     {} at most\n", format_bytes(info.memory_budget_bytes));
+  fmt::print("  held       {}\n", text_of(info.memory));
+  fmt::print("  of trees   {}\n", text_of(info.tree_memory));
+  fmt::print("  evicted    {} pieces of trees, {}\n", format_count(info.tree_pieces_evicted),
+             format_bytes(info.tree_bytes_evicted));
   fmt::print("  threads    {}, {}\n", info.threads, printable(info.simd_target));
   fmt::print("  trees      {}\n", printable(info.policy));
   fmt::print("  a request  {} rays at most\n", format_count(info.max_rays_per_request));

@@ -124,12 +124,15 @@ SceneSource merged(const SceneSource& scene) {
 }
 
 Status fill(scenegraph::Scene& empty, SceneSource scene,
-            const accel::published::AnyBuilder& builder, accel::mesh::References references) {
+            const accel::published::AnyBuilder& builder, accel::mesh::References references,
+            std::shared_ptr<accel::kdtree::TreeMemory> memory) {
+  accel::mesh::TreeBuilder of_trees = builder;
+  of_trees.memory = std::move(memory);
   std::vector<std::shared_ptr<const scenegraph::model::Mesh>> meshes;
   meshes.reserve(scene.meshes.size());
   for (SourceMesh& mesh : scene.meshes) {
     auto made = scenegraph::model::Mesh::make(std::move(mesh.vertices), std::move(mesh.faces),
-                                              builder, references);
+                                              of_trees, references);
     if (!made.ok()) return made.error();
     meshes.push_back(*std::move(made));
   }
@@ -158,9 +161,10 @@ Status fill(scenegraph::Scene& empty, SceneSource scene,
 
 Result<std::shared_ptr<const scenegraph::revision::Snapshot>> assemble(
     SceneSource scene, const accel::published::AnyBuilder& builder,
-    accel::mesh::References references) {
+    accel::mesh::References references, std::shared_ptr<accel::kdtree::TreeMemory> memory) {
   scenegraph::Scene live;
-  if (Status filled = fill(live, std::move(scene), builder, references); !filled) {
+  if (Status filled = fill(live, std::move(scene), builder, references, std::move(memory));
+      !filled) {
     return filled.error();
   }
   return live.snapshot();

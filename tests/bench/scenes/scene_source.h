@@ -58,14 +58,17 @@ SceneSource merged(const SceneSource& scene);
 /// The id in the assembled scene of the node with this index.
 inline scenegraph::model::NodeId node_id(std::size_t index) { return index + 1; }
 
-/// Adds the nodes to an empty scene; the ids are those of node_id().
+/// Adds the nodes to an empty scene; the ids are those of node_id(). `memory`: what the trees of
+/// its meshes count in; null: nothing.
 Status fill(scenegraph::Scene& empty, SceneSource scene,
             const accel::published::AnyBuilder& builder,
-            accel::mesh::References references = accel::mesh::References::kRuns);
+            accel::mesh::References references = accel::mesh::References::kRuns,
+            std::shared_ptr<accel::kdtree::TreeMemory> memory = nullptr);
 
 /// Makes a scene without trees. Takes ownership of the arrays; nothing is shared with other calls.
 Result<std::shared_ptr<const scenegraph::revision::Snapshot>> assemble(
     SceneSource scene, const accel::published::AnyBuilder& builder,
-    accel::mesh::References references = accel::mesh::References::kRuns);
+    accel::mesh::References references = accel::mesh::References::kRuns,
+    std::shared_ptr<accel::kdtree::TreeMemory> memory = nullptr);
 
 }  // namespace sightline::bench

@@ -22,6 +22,8 @@ std::optional<std::uint64_t> status_bytes(const std::string& key) {
 
 }  // namespace
 
+std::uint64_t resident_bytes() { return status_bytes("VmRSS:").value_or(0); }
+
 MemoryPeak::MemoryPeak() {
   // Memory that was freed before must not count as memory that was in use.
   ::malloc_trim(0);

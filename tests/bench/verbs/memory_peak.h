@@ -19,4 +19,7 @@ class MemoryPeak {
   std::optional<std::uint64_t> before_;
 };
 
+/// The process's resident memory now; 0 if the kernel does not report it.
+std::uint64_t resident_bytes();
+
 }  // namespace sightline::bench

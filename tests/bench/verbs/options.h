@@ -65,6 +65,14 @@ struct CompetitiveOptions {
   std::size_t batch = 8192;
 };
 
+struct BudgetOptions {
+  std::vector<std::string> kinds{"closeup", "random"};
+  double share = 0.25;         ///< Of the bytes of full trees.
+  double seconds = 60;         ///< Of casting, for each kind.
+  std::size_t rays = 100'000;  ///< Of a set; sets take turns.
+  std::size_t batch = 8192;
+};
+
 struct LawOptions {
   bool nodes = false;  ///< Measures the law of hierarchies: touches over nodes.
   /// Exponents of two of the triangles; nothing: those that the law is stated for.

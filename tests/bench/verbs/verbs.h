@@ -30,6 +30,11 @@ Result<std::vector<Row>> run_lazy(const CommonOptions& common, const LazyOptions
 Result<std::vector<Row>> run_competitive(const CommonOptions& common,
                                          const CompetitiveOptions& options);
 
+/// Batches of rays, for a time, at trees that may hold only a share of the bytes of full ones,
+/// beside trees that may hold all; one row for each kind of rays. Error: kDataLoss, if a hit
+/// differs.
+Result<std::vector<Row>> run_budget(const CommonOptions& common, const BudgetOptions& options);
+
 /// Frames of a moving scene over a static one, one row a frame: update, growth on demand, trace.
 /// The last row is a summary.
 Result<std::vector<Row>> run_dynamic(const CommonOptions& common, const DynamicOptions& options);

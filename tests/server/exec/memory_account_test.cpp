@@ -37,8 +37,34 @@ TEST(MemoryAccount, RefusesOverTheBudgetAndNamesWhatIsHeld) {
     EXPECT_NE(more.error().message.find(part), std::string::npos) << part;
   EXPECT_FALSE(memory.charge(Held::kUploads, std::numeric_limits<std::uint64_t>::max()));
   EXPECT_TRUE(memory.charge(Held::kPatches, 300));
-  memory.set_trees(301);
+  memory.set_scene_trees(301);
   EXPECT_FALSE(memory.charge(Held::kPatches, 1)) << "trees count";
+}
+
+TEST(MemoryAccount, TreesCountThemselvesAndHaveWhatIsLeft) {
+  using accel::kdtree::TreeBytes;
+  MemoryAccount memory(1000, 200);
+  auto mesh = *memory.charge(Held::kMeshes, 300);
+  EXPECT_EQ(memory.trees()->limit(), 500u);
+  memory.trees()->add(TreeBytes::kLists, 400);
+  memory.trees()->move(TreeBytes::kLists, TreeBytes::kRetired, 150);
+  memory.set_scene_trees(60);
+  EXPECT_EQ(memory.trees()->limit(), 440u);
+  EXPECT_EQ(memory.used(Held::kTrees), 460u);
+  EXPECT_EQ(memory.used(), 760u);
+  EXPECT_EQ(memory.retired(), 150u);
+  EXPECT_FALSE(memory.charge(Held::kUploads, 41));
+  EXPECT_TRUE(memory.charge(Held::kUploads, 40));
+  mesh = {};
+  memory.set_scene_trees(10);
+  EXPECT_EQ(memory.trees()->limit(), 790u);
+  const auto sum = [](const std::vector<HeldBytes>& uses) {
+    std::uint64_t bytes = 0;
+    for (const HeldBytes& use : uses) bytes += use.bytes;
+    return bytes;
+  };
+  EXPECT_EQ(sum(memory.uses()), memory.used());
+  EXPECT_EQ(sum(memory.tree_uses()), memory.used(Held::kTrees));
 }
 
 TEST(MemoryAccount, CallsHaveAPartForThemselves) {
@@ -47,7 +73,7 @@ TEST(MemoryAccount, CallsHaveAPartForThemselves) {
   EXPECT_TRUE(mesh);
   EXPECT_FALSE(memory.charge(Held::kNodes, 1));
   EXPECT_TRUE(memory.charge(Held::kCalls, 200));
-  memory.set_trees(900);
+  memory.set_scene_trees(900);
   const auto part = memory.charge(Held::kCalls, 200);
   EXPECT_TRUE(part) << "whatever others hold";
   EXPECT_FALSE(memory.charge(Held::kCalls, 1));

@@ -5,9 +5,11 @@
 
 #include <future>
 #include <string>
+#include <thread>
 
 #include "accel/kdtree/epoch.h"
 #include "scenegraph/trace.h"
+#include "server/scenes/eviction_thread.h"
 #include "tests/scenegraph/put_node.h"
 #include "tests/server/blobs/blob_of.h"
 #include "tests/support/scenes.h"
@@ -87,6 +89,48 @@ TEST_F(ReclaimerTest, DropsTheTreesOfTheScenesCastAtLongestAgo) {
   EXPECT_EQ(first->snapshot()->revision(), 1u);
   build(*first);
   EXPECT_GT(built(*first), 0u);
+}
+
+TEST_F(ReclaimerTest, EvictsPiecesBeforeItDropsWholeTrees) {
+  const auto scene = make_scene("a", 1);
+  scene->drop_old_revisions();
+  build(*scene);
+  const std::uint64_t full = memory_.used(Held::kTrees);
+  reclaimer_.reclaim(bytes_to_drop(1));
+  EXPECT_EQ(reclaimer_.evictions(), 0u);
+  EXPECT_GT(memory_.trees()->evictions(), 0u);
+  EXPECT_LT(memory_.used(Held::kTrees), full);
+  reclaimer_.reclaim(memory_.budget());
+  EXPECT_GT(reclaimer_.evictions(), 0u);
+}
+
+TEST_F(ReclaimerTest, TreesOfPatchedMeshesAreEvicted) {
+  const auto scene = make_scene("a", 1);
+  ASSERT_TRUE(scene->apply({PatchVertices{{1}, 0, {{0, 0, 1}}}}, compute_));
+  await_background();
+  build(*scene);
+  ASSERT_GT(built(*scene), 0u);
+  reclaimer_.evict_to_low_water();
+  EXPECT_GT(built(*scene), 0u) << "there is room";
+  const auto others = memory_.record(Held::kNodes, memory_.budget());
+  EXPECT_GT(reclaimer_.evict_to_low_water(), 0u);
+  EXPECT_EQ(built(*scene), 0u);
+}
+
+TEST_F(ReclaimerTest, AThreadEvictsWhenTreesRequestIt) {
+  const auto scene = make_scene("a", 1);
+  build(*scene);
+  ASSERT_GT(built(*scene), 0u);
+  const EvictionThread evicting(reclaimer_, *memory_.trees());
+  const auto others = memory_.record(Held::kNodes, memory_.budget());
+  memory_.trees()->request_eviction();
+  while (memory_.trees()->evictions() == 0) std::this_thread::yield();
+  scene->touch();
+  const accel::geometry::Ray ray{{5, 5, 9}, {0, 0, -1}};
+  accel::geometry::Hit hit;
+  EXPECT_TRUE(scenegraph::trace(*scene->snapshot(), {&ray, 1}, {&hit, 1},
+                                {.growth = scenegraph::Growth::kFirstTouch}));
+  EXPECT_EQ(hit.state, accel::geometry::HitState::kHit);
 }
 
 TEST_F(ReclaimerTest, DropsOldRevisionsAndUnusedMeshesBeforeTrees) {
