@@ -19,6 +19,7 @@
 #include "accel/split/scan_split.h"
 #include "tests/accel/check_tree.h"
 #include "tests/accel/mesh/packet_answers.h"
+#include "tests/support/hard_rays.h"
 #include "tests/support/hard_shapes.h"
 
 namespace sightline::accel::lazy {
@@ -203,9 +204,10 @@ TEST(Eviction, HardMeshesKeepTheirAnswers) {
   for (const TestMesh& mesh :
        {tests::slivers(3000, 1), tests::duplicates(900), tests::planar_sheet(40),
         tests::tiled_cube(4000), tests::fan_about_vertex(2000, 1), tests::stacked_hills(3000, 1),
-        tests::random_soup(40, 0.3, 1)}) {
+        tests::random_soup(40, 0.3, 1), tests::with_nonfinite(4000, 3),
+        tests::with_nonfinite(900, 1)}) {
     const Growing of(mesh);
-    const std::vector<Ray> rays = tests::rays_at(of.mesh, 32, 8);
+    const std::vector<Ray> rays = tests::make_hard_rays(of.mesh, 32, 8);
     for (int turn = 0; turn < 2; ++turn) {
       expect_exact(of, rays);
       of.evict_all();
