@@ -17,6 +17,7 @@
 #include <string>
 #include <utility>
 
+#include "accel/kdtree/epoch.h"
 #include "accel/kdtree/last_use.h"
 #include "scenegraph/query/packet_caster.h"
 #include "scenegraph/query/pencil_caster.h"
@@ -31,6 +32,7 @@ using accel::geometry::Hit;
 using accel::geometry::HitColumns;
 using accel::geometry::Ray;
 using accel::geometry::RayColumns;
+using accel::kdtree::EpochPin;
 using accel::lazy::WhenPending;
 using accel::wide::kLanes;
 using query::PacketCaster;
@@ -84,10 +86,10 @@ bool has(const Answered& answered, std::size_t ray) {
 /// Casts the other rays of a block one by one and calls keep(i, caster) where the answer to rays[i]
 /// is in the caster.
 template <class Keep>
-TraceStats cast_alone(const instances::OpenTrees& trees, QueryKind kind, const RayColumns& rays,
-                      const RayBlock& block, const Answered& answered, const TraceOptions& options,
-                      const Keep& keep) {
-  RayCaster caster(trees, options);
+TraceStats cast_alone(EpochPin& pin, const instances::OpenTrees& trees, QueryKind kind,
+                      const RayColumns& rays, const RayBlock& block, const Answered& answered,
+                      const TraceOptions& options, const Keep& keep) {
+  RayCaster caster(pin, trees, options);
   answer_block(caster, block, options.cancelled, [&](std::size_t i, WhenPending when_pending) {
     if (has(answered, i - block.first)) return true;
     const Ray ray = rays[i];
@@ -109,9 +111,9 @@ template <bool kWritten>
 /// Pencils of the rays of a batch, which write their hits.
 class HitPencils {
  public:
-  HitPencils(const instances::OpenTrees& trees, const TraceOptions& options, const RayColumns& rays,
-             const HitColumns& hits)
-      : caster_(trees, options, rays, hits), rays_(rays), hits_(hits) {}
+  HitPencils(EpochPin& pin, const instances::OpenTrees& trees, const TraceOptions& options,
+             const RayColumns& rays, const HitColumns& hits)
+      : caster_(pin, trees, options, rays, hits), rays_(rays), hits_(hits) {}
 
   /// Returns a bit for each packet of these rays that is answered.
   std::uint32_t cast(std::size_t first, std::size_t count) {
@@ -134,7 +136,7 @@ struct NoPencils {
   static TraceStats stats() { return {}; }
 };
 
-/// Casts every ray, in packets as far as those go, or in pencils(OpenTrees). Calls
+/// Casts every ray, in packets as far as those go, or in make_pencils(EpochPin, OpenTrees). Calls
 /// keep(first, answered, PacketCaster) where the answers to the rays from the first on are in the
 /// caster that have a bit in `answered`, and keep_alone(i, RayCaster) for each of the others.
 template <class MakePencils, class Keep, class KeepAlone>
@@ -143,8 +145,9 @@ Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
                              const MakePencils& make_pencils, const Keep& keep,
                              const KeepAlone& keep_alone) {
   const auto answer = [&](const instances::OpenTrees& trees, const RayBlock& block) {
-    PacketCaster caster(trees, kind, options);
-    auto pencils = make_pencils(trees);
+    EpochPin pin;
+    PacketCaster caster(pin, trees, kind, options);
+    auto pencils = make_pencils(pin, trees);
     Answered answered{};
     bool all = true;
     std::uint32_t in_pencils = 0;  // a bit for each of the next packets
@@ -164,19 +167,20 @@ Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
     }
     TraceStats stats = caster.stats();
     stats += pencils.stats();
-    if (!all) stats += cast_alone(trees, kind, rays, block, answered, options, keep_alone);
+    if (!all) stats += cast_alone(pin, trees, kind, rays, block, answered, options, keep_alone);
     return stats;
   };
   return trace_blocks(snapshot, kind, rays, kRaysPerBlock, options, answer);
 }
 
-NoPencils no_pencils(const instances::OpenTrees&) { return {}; }
+NoPencils no_pencils(EpochPin&, const instances::OpenTrees&) { return {}; }
 
 /// Appends the hits of the rays of a block, in order.
 TraceStats list_block(const instances::OpenTrees& trees, const RayColumns& rays,
                       const RayBlock& block, std::span<RayTally> tallies, std::vector<Hit>& hits,
                       const TraceOptions& options) {
-  PacketCaster caster(trees, QueryKind::kAll, options);
+  EpochPin pin;
+  PacketCaster caster(pin, trees, QueryKind::kAll, options);
   std::optional<RayCaster> alone;
   for (std::size_t first = block.first; first < block.end; first += kLanes) {
     if (is_cancelled(options.cancelled)) break;
@@ -188,7 +192,7 @@ TraceStats list_block(const instances::OpenTrees& trees, const RayColumns& rays,
         continue;
       }
       if (is_cancelled(options.cancelled)) continue;
-      if (!alone) alone.emplace(trees, options);
+      if (!alone) alone.emplace(pin, trees, options);
       const Ray ray = rays[i];
       if (cast_ray(*alone, QueryKind::kAll, ray, WhenPending::kWait))
         tallies[i] = alone->list(hits);
@@ -240,7 +244,9 @@ Result<TraceStats> trace(const revision::Snapshot& snapshot, const RayColumns& r
   if (options.partial) mark_unanswered(hits);
   auto traced = cast_rays(
       snapshot, options.kind, rays, options,
-      [&](const instances::OpenTrees& trees) { return HitPencils(trees, options, rays, hits); },
+      [&](EpochPin& pin, const instances::OpenTrees& trees) {
+        return HitPencils(pin, trees, options, rays, hits);
+      },
       [&](std::size_t, std::uint32_t answered, PacketCaster& caster) {
         if (answered != 0) caster.write(hits);
       },

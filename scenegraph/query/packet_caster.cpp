@@ -25,9 +25,10 @@ std::uint32_t first_lanes(std::size_t count) {
 
 }  // namespace
 
-PacketCaster::PacketCaster(const instances::OpenTrees& trees, QueryKind kind,
-                           const TraceOptions& options)
-    : trees_(trees),
+PacketCaster::PacketCaster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees,
+                           QueryKind kind, const TraceOptions& options)
+    : pin_(pin),
+      trees_(trees),
       kind_(kind),
       options_(options),
       collected_(kind == QueryKind::kCount || kind == QueryKind::kAll ? kLanes : 0,

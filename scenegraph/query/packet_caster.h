@@ -45,10 +45,13 @@ class RecentLanes {
   std::size_t next_ = 0;
 };
 
-/// For one block of rays, on one thread, which it pins to an epoch.
+/// For one block of rays, on one thread. The casters of a block share its pin: an outer one would
+/// keep what is retired until the block ends.
 class PacketCaster {
  public:
-  PacketCaster(const instances::OpenTrees& trees, QueryKind kind, const TraceOptions& options);
+  /// `pin` outlives the caster, and is renewed for each packet.
+  PacketCaster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees, QueryKind kind,
+               const TraceOptions& options);
   PacketCaster(const PacketCaster&) = delete;
   PacketCaster& operator=(const PacketCaster&) = delete;
 
@@ -84,7 +87,7 @@ class PacketCaster {
   std::uint32_t work(std::size_t ray) const;
   accel::geometry::HitState state(std::size_t ray) const;
 
-  accel::kdtree::EpochPin pin_;  // renewed for each packet
+  accel::kdtree::EpochPin& pin_;
   const instances::OpenTrees trees_;
   const QueryKind kind_;
   const TraceOptions options_;

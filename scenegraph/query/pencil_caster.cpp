@@ -46,9 +46,15 @@ std::uint32_t seeing(const accel::geometry::MaskColumn& masks, PacketRange range
 
 }  // namespace
 
-PencilCaster::PencilCaster(const instances::OpenTrees& trees, const TraceOptions& options,
-                           const RayColumns& rays, const HitColumns& hits)
-    : trees_(trees), options_(options), rays_(rays), hits_(hits), only_(find_only(trees, options)) {
+PencilCaster::PencilCaster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees,
+                           const TraceOptions& options, const RayColumns& rays,
+                           const HitColumns& hits)
+    : pin_(pin),
+      trees_(trees),
+      options_(options),
+      rays_(rays),
+      hits_(hits),
+      only_(find_only(trees, options)) {
   if (only_ == nullptr) return;
   for (std::size_t p = 0; p < packets_.size(); ++p) {
     Packet& packet = packets_[p];

@@ -16,12 +16,13 @@ namespace sightline::scenegraph::query {
 
 inline constexpr std::size_t kPencilRays = accel::wide::kPencilPackets * accel::wide::kLanes;
 
-/// For one block of rays, on one thread, which it pins to an epoch.
+/// For one block of rays, on one thread.
 class PencilCaster {
  public:
-  /// The columns must outlive the caster.
-  PencilCaster(const instances::OpenTrees& trees, const TraceOptions& options,
-               const accel::geometry::RayColumns& rays, const accel::geometry::HitColumns& hits);
+  /// The columns and the pin outlive the caster. The pin is renewed for each pencil.
+  PencilCaster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees,
+               const TraceOptions& options, const accel::geometry::RayColumns& rays,
+               const accel::geometry::HitColumns& hits);
   PencilCaster(const PencilCaster&) = delete;
   PencilCaster& operator=(const PencilCaster&) = delete;
 
@@ -39,7 +40,7 @@ class PencilCaster {
   Lanes read(std::size_t first, std::size_t count);
   std::uint32_t write(std::size_t first, std::size_t count, const Lanes& done);
 
-  accel::kdtree::EpochPin pin_;  // renewed for each pencil
+  accel::kdtree::EpochPin& pin_;
   const instances::OpenTrees trees_;
   const TraceOptions options_;
   const accel::geometry::RayColumns& rays_;

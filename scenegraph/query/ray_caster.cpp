@@ -22,8 +22,9 @@ using accel::mesh::OnDeferred;
 
 }  // namespace
 
-RayCaster::RayCaster(const instances::OpenTrees& trees, const TraceOptions& options)
-    : trees_(trees), options_(options), collected_(options.max_hits) {
+RayCaster::RayCaster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees,
+                     const TraceOptions& options)
+    : pin_(pin), trees_(trees), options_(options), collected_(options.max_hits) {
   for (const instances::OpenTree& tree : trees_.all()) {
     TreeEntry& entry = entries_.emplace_back();
     entry.instances = &tree.instances;

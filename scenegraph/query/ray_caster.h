@@ -28,13 +28,15 @@ struct TreeEntry {
   double entered_at = 0;  ///< Where the ray enters the tree's bounds.
 };
 
-/// For one block of rays, on one thread, which it pins to an epoch.
+/// For one block of rays, on one thread.
 ///
 /// For each ray: begin(), then the steps trees_by_entry(), walk_instances(), enter_frame() and
 /// ask_mesh(), then end(), and if that is true one answer.
 class RayCaster {
  public:
-  RayCaster(const instances::OpenTrees& trees, const TraceOptions& options);
+  /// `pin` outlives the caster, and is renewed for each ray: nothing that a ray read is used again.
+  RayCaster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees,
+            const TraceOptions& options);
   RayCaster(const RayCaster&) = delete;
   RayCaster& operator=(const RayCaster&) = delete;
 
@@ -92,7 +94,7 @@ class RayCaster {
   RayTally tally() const;
   std::uint32_t work() const;
 
-  accel::kdtree::EpochPin pin_;  // renewed for each ray: nothing that a ray read is used again
+  accel::kdtree::EpochPin& pin_;
   const instances::OpenTrees trees_;
   TraceOptions options_;
   accel::lazy::WaitingRays* waiting_ = nullptr;

@@ -42,7 +42,7 @@ struct Waiting {
 class Arrivals final : public accel::lazy::WaitingRays {
  public:
   Arrivals(const instances::OpenTrees& trees, const TraceOptions& options)
-      : caster_(trees, options) {
+      : caster_(pin_, trees, options) {
     caster_.wait_at_cells(*this);
   }
 
@@ -68,6 +68,7 @@ class Arrivals final : public accel::lazy::WaitingRays {
   std::vector<Waiting> take() { return std::move(waiting_); }
 
  private:
+  accel::kdtree::EpochPin pin_;
   RayCaster caster_;
   std::size_t scout_ = 0;
   std::vector<Waiting> waiting_;

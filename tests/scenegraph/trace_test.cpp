@@ -284,9 +284,9 @@ TEST(Trace, StopsBetweenTheRaysOfABlock) {
   Scene scene;
   const auto snapshot = scene.snapshot();
   const instances::OpenTrees trees = snapshot->trees();
-  const accel::kdtree::EpochPin pin;
+  accel::kdtree::EpochPin pin;
   const TraceOptions options;
-  const query::RayCaster caster(trees, options);
+  const query::RayCaster caster(pin, trees, options);
   std::atomic<bool> cancelled{false};
   std::size_t answered = 0;
   query::answer_block(caster, {0, kRaysPerBlock}, &cancelled,

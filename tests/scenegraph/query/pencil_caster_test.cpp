@@ -111,7 +111,8 @@ int answered(const revision::Snapshot& snapshot, const std::vector<Ray>& rays,
   std::vector<Hit> hits(kPencilRays);
   const auto given = accel::geometry::columns_of(std::span(rays));
   const auto found = accel::geometry::columns_of(std::span(hits));
-  const auto caster = std::make_unique<PencilCaster>(snapshot.trees(), options, given, found);
+  accel::kdtree::EpochPin pin;
+  const auto caster = std::make_unique<PencilCaster>(pin, snapshot.trees(), options, given, found);
   return std::popcount(caster->cast(0, kPencilRays));
 }
 
