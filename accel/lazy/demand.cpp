@@ -127,9 +127,9 @@ std::uint64_t LazyTree::cost_of_expanding(const kdtree::DeferredCell& cell) cons
 }
 
 bool LazyTree::searches(const kdtree::DeferredCell& cell, std::uint64_t rays, bool by_demand) {
-  const bool may_grow = tree_.memory() == nullptr || tree_.memory()->may_grow();
-  if (may_grow && !cell.evicted && (!by_demand || !is_over_faces())) return false;
-  return !is_worth_expanding(cell, rays) || !may_grow;
+  const bool has_room = may_grow(cell);
+  if (has_room && !cell.evicted && (!by_demand || !is_over_faces())) return false;
+  return !is_worth_expanding(cell, rays) || !has_room;
 }
 
 bool LazyTree::is_worth_expanding(const kdtree::DeferredCell& cell, std::uint64_t rays) const {
@@ -140,7 +140,7 @@ bool LazyTree::is_worth_expanding(const kdtree::DeferredCell& cell, std::uint64_
 CellDecision LazyTree::decide(const kdtree::DeferredCell& cell,
                               std::span<const CellPassage> passages, double rays_each,
                               kdtree::BuildCounters& counters) const {
-  if (tree_.memory() != nullptr && !tree_.memory()->may_grow()) return CellDecision::kSearch;
+  if (!may_grow(cell)) return CellDecision::kSearch;
   const double rays = rays_each * static_cast<double>(passages.size());
   const double spent = static_cast<double>(cell.spent.load(std::memory_order_relaxed)) +
                        rays * static_cast<double>(cell.size);

@@ -44,6 +44,7 @@ struct NewCell {
 struct Division {
   std::vector<SplitTree::Node> cuts;  ///< The first is the topmost.
   std::vector<NewCell> cells;
+  bool compact = false;  ///< There is room for the ids of the new lists only.
 };
 
 /// Divides a cell with a short list. Throws std::bad_alloc.

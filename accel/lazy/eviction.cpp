@@ -15,9 +15,6 @@
 namespace sightline::accel::lazy {
 namespace {
 
-/// Lists of fewer references are not worth a cell of their own.
-constexpr std::size_t kFewest = 16;
-
 /// What all of a thousand bytes cost to build again, by how many batches ago they were used.
 std::uint64_t value_of(std::uint64_t cost_of_reference, std::uint64_t bytes_of_reference,
                        const kdtree::LastUse& use) {
@@ -34,6 +31,13 @@ bool is_wanted(const kdtree::DeferredCell& cell) {
 
 bool LazyTree::is_evictable() const {
   return tree_.memory() != nullptr && makes_blocks() && source_.again;
+}
+
+/// A long list that is divided without room leaves compact ones, an eighth of it.
+bool LazyTree::may_grow(const kdtree::DeferredCell& cell) const {
+  if (tree_.memory() == nullptr || tree_.memory()->may_grow()) return true;
+  return is_evictable() && cell.has_list && !cell.list.is_compact() &&
+         cell.list.size() >= kdtree::kLongList;
 }
 
 bool LazyTree::may_build_ahead() const {
@@ -61,7 +65,7 @@ void LazyTree::list_evictable(kdtree::AtomicSlot& slot, const geometry::Aabb& ce
   } else if (now.tag() == kdtree::Slot::Tag::kDeferred) {
     const kdtree::DeferredCell& waiting = *now.cell();
     if (!waiting.has_list || waiting.list.is_compact() || waiting.openable || waiting.failed ||
-        waiting.list.size() < kFewest || is_wanted(waiting))
+        waiting.list.size() < kFewestToEvict || is_wanted(waiting))
       return;
     found.push_back({&slot, cell, depth, waiting.list.bytes(),
                      value_of(kListCost, sizeof(kdtree::Reference), waiting.last_use)});
@@ -156,9 +160,9 @@ kdtree::ReferenceList LazyTree::list_again(const kdtree::DeferredCell& cell,
   return list;
 }
 
-/// The same cell. Rays have paid for what it becomes.
-kdtree::Slot LazyTree::with_list_again(const kdtree::DeferredCell& cell,
-                                       kdtree::BuildCounters& counters) {
+/// The same cell, not of the tree.
+std::unique_ptr<kdtree::DeferredCell> LazyTree::with_list_again(
+    const kdtree::DeferredCell& cell, kdtree::BuildCounters& counters) const {
   kdtree::ReferenceList list = list_again(cell, counters);
   auto fresh = std::make_unique<kdtree::DeferredCell>();
   fresh->box = cell.box;
@@ -167,12 +171,44 @@ kdtree::Slot LazyTree::with_list_again(const kdtree::DeferredCell& cell,
   fresh->size = cell.size;
   fresh->weight = cell.weight;
   fresh->spent = cell.spent.load(std::memory_order_relaxed);
-  if (list.size() < kdtree::kLongList) {
-    fresh->list = kdtree::CellList(std::move(list));
-  } else {
-    fresh->list = make_list({std::make_shared<const kdtree::ReferenceList>(std::move(list))});
+  fresh->list = kdtree::CellList(std::move(list));
+  return fresh;
+}
+
+bool LazyTree::has_room_for(std::uint64_t bytes) const {
+  const kdtree::TreeMemory* memory = tree_.memory();
+  return memory == nullptr || memory->held() + bytes <= memory->low_water();
+}
+
+/// Lists that do not fit are not kept: the eviction of each would keep rays from growing the tree.
+void LazyTree::mind_room(Division& division) const {
+  if (!is_evictable() || division.cuts.empty()) return;
+  std::uint64_t bytes = 0;
+  for (const NewCell& fresh : division.cells) bytes += fresh.part.list.bytes();
+  division.compact = !has_room_for(bytes);
+}
+
+/// A claimed cell with a compact list. With room, several threads may divide a long list; without,
+/// this thread does, and its list is never another thread's to wait for.
+void LazyTree::divide_compact(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
+                              kdtree::BuildCounters& counters) {
+  const std::uint64_t bytes = cell.list.size() * sizeof(kdtree::Reference);
+  const bool is_long = cell.list.size() >= kdtree::kLongList;
+  const bool has_room = has_room_for(2 * bytes);
+  std::unique_ptr<kdtree::DeferredCell> listed = with_list_again(cell, counters);
+  if (is_long && has_room) {
+    listed->list = kdtree::CellList(
+        make_list({std::make_shared<const kdtree::ReferenceList>(listed->list.copy())}));
+    publish(slot, cell, tree_.defer(std::move(listed)), counters);
+    return;
   }
-  return tree_.defer(std::move(fresh));
+  Division division = divide_short(context_, *listed, counters);
+  division.compact = !has_room;
+  if (!may_wait(division, *listed)) {
+    publish(slot, cell, tree_.defer(std::move(listed)), counters);
+    return;
+  }
+  publish(slot, cell, make_slot(std::move(division), *listed), counters);
 }
 
 }  // namespace sightline::accel::lazy

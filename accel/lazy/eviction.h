@@ -2,12 +2,16 @@
 // where rays need them.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "accel/geometry/aabb.h"
 #include "accel/kdtree/kd_tree.h"
 
 namespace sightline::accel::lazy {
+
+/// Lists of fewer references are not worth a cell of their own.
+inline constexpr std::size_t kFewestToEvict = 16;
 
 /// A finished subtree, which becomes a deferred cell with a compact list; or the list of a deferred
 /// cell, which becomes compact. What holds all of a mesh keeps no list at all.

@@ -12,6 +12,7 @@
 #include "accel/grow/grow.h"
 #include "accel/grow/reference_budget.h"
 #include "accel/kdtree/epoch.h"
+#include "accel/lazy/eviction.h"
 #include "accel/lazy/stall_detector.h"
 #include "accel/lazy/timed.h"
 
@@ -72,7 +73,8 @@ bool LazyTree::is_eager(const kdtree::DeferredCell& cell) const {
 ExpandResult LazyTree::expand(kdtree::AtomicSlot& slot, WhenPending when_pending,
                               kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled) {
   const Timed timed(counters);
-  if (tree_.memory() != nullptr && !tree_.memory()->may_grow()) return ExpandResult::kScanList;
+  const kdtree::Slot now = kdtree::load(slot);
+  if (now.is_deferred() && !may_grow(*now.cell())) return ExpandResult::kScanList;
   return expand_now(slot, when_pending, counters, cancelled);
 }
 
@@ -156,10 +158,11 @@ ExpandResult LazyTree::expand_claimed(kdtree::AtomicSlot& slot, kdtree::Deferred
   if (!cell.whole && !is_eager(cell)) {
     try {
       if (cell.list.is_compact()) {
-        publish(slot, cell, with_list_again(cell, counters), counters);
+        divide_compact(slot, cell, counters);
         return ExpandResult::kRetry;
       }
       Division division = divide_short(context_, cell, counters);
+      mind_room(division);
       if (may_wait(division, cell)) {
         publish(slot, cell, make_slot(std::move(division), cell), counters);
         return ExpandResult::kRetry;
@@ -208,6 +211,7 @@ ExpandResult LazyTree::run_all_passes(kdtree::AtomicSlot& slot, kdtree::Deferred
   reserve();
   Division division =
       divide_long(context_, cell, PassSequence(task, counters, cancelled), counters);
+  mind_room(division);
   if (!may_wait(division, cell)) {
     mark_whole(slot, cell);
     return ExpandResult::kRetry;
@@ -224,7 +228,7 @@ ExpandResult LazyTree::run_all_passes(kdtree::AtomicSlot& slot, kdtree::Deferred
   return ExpandResult::kRetry;
 }
 
-kdtree::Slot LazyTree::defer(NewCell now) {
+kdtree::Slot LazyTree::defer(NewCell now, bool compact) {
   auto cell = std::make_unique<kdtree::DeferredCell>();
   cell->box = now.box;
   cell->path = now.path;
@@ -233,6 +237,7 @@ kdtree::Slot LazyTree::defer(NewCell now) {
   cell->weight = now.weight;
   cell->first = now.part.first;
   cell->list = std::move(now.part.list);
+  if (compact && !cell->openable && cell->size >= kFewestToEvict) cell = with_compact_list(*cell);
   return tree_.defer(std::move(cell));
 }
 
@@ -269,7 +274,7 @@ kdtree::Slot LazyTree::make_slot(Division& division, const SplitTree::Node& node
   if (!pair) throw std::bad_alloc();
   const kdtree::Slot slot = kdtree::Slot::binary(node.cut.plane, *pair);
   const auto below = [&](const SplitTree::Child& child) {
-    return child.is_leaf ? defer(std::move(division.cells[child.index]))
+    return child.is_leaf ? defer(std::move(division.cells[child.index]), division.compact)
                          : make_slot(division, division.cuts[child.index]);
   };
   kdtree::AtomicSlot* children = tree_.children(slot);

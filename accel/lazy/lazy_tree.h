@@ -119,6 +119,7 @@ class LazyTree {
  private:
   void compile_top();
   bool is_evictable() const;
+  bool may_grow(const kdtree::DeferredCell& cell) const;
   bool may_build_ahead() const;
   void list_evictable(kdtree::AtomicSlot& slot, const geometry::Aabb& cell, int depth,
                       std::vector<Evictable>& found);
@@ -127,7 +128,12 @@ class LazyTree {
   std::unique_ptr<kdtree::DeferredCell> with_compact_list(const kdtree::DeferredCell& cell) const;
   kdtree::ReferenceList list_again(const kdtree::DeferredCell& cell,
                                    kdtree::BuildCounters& counters) const;
-  kdtree::Slot with_list_again(const kdtree::DeferredCell& cell, kdtree::BuildCounters& counters);
+  std::unique_ptr<kdtree::DeferredCell> with_list_again(const kdtree::DeferredCell& cell,
+                                                        kdtree::BuildCounters& counters) const;
+  bool has_room_for(std::uint64_t bytes) const;
+  void mind_room(Division& division) const;
+  void divide_compact(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
+                      kdtree::BuildCounters& counters);
   bool evicted_must_wait(std::uint64_t references) const;
   bool is_worth_expanding(const kdtree::DeferredCell& cell, std::uint64_t rays) const;
   kdtree::ReferenceList whole_list(const kdtree::DeferredCell& cell, bool& openable,
@@ -151,7 +157,7 @@ class LazyTree {
   kdtree::Slot make_slot(Division division, const kdtree::DeferredCell& cell);
   kdtree::Slot make_unkept(Division& division, const kdtree::DeferredCell& cell);
   kdtree::Slot make_slot(Division& division, const SplitTree::Node& node);
-  kdtree::Slot defer(NewCell now);
+  kdtree::Slot defer(NewCell now, bool compact = false);
   void complete(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
                 const std::atomic<bool>* cancelled);
   enum class Step : std::uint8_t { kBuilt, kAgain, kWait, kClaimed, kFailed };
