@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "accel/grow/grow.h"
 #include "accel/grow/reference_budget.h"
 #include "accel/lazy/demand_costs.h"
 #include "accel/lazy/lazy_tree.h"
@@ -160,10 +161,10 @@ kdtree::ReferenceList LazyTree::list_again(const kdtree::DeferredCell& cell,
   return list;
 }
 
-/// The same cell, not of the tree.
+/// The same cell, not of the tree. A long list is in slices, so that no thread needs a buffer for
+/// all of it.
 std::unique_ptr<kdtree::DeferredCell> LazyTree::with_list_again(
     const kdtree::DeferredCell& cell, kdtree::BuildCounters& counters) const {
-  kdtree::ReferenceList list = list_again(cell, counters);
   auto fresh = std::make_unique<kdtree::DeferredCell>();
   fresh->box = cell.box;
   fresh->path = cell.path;
@@ -171,7 +172,20 @@ std::unique_ptr<kdtree::DeferredCell> LazyTree::with_list_again(
   fresh->size = cell.size;
   fresh->weight = cell.weight;
   fresh->spent = cell.spent.load(std::memory_order_relaxed);
-  fresh->list = kdtree::CellList(std::move(list));
+  if (cell.list.size() < kdtree::kLongList) {
+    fresh->list = kdtree::CellList(list_again(cell, counters));
+    return fresh;
+  }
+  std::vector<kdtree::SlicedList::Piece> pieces;
+  for (std::span<const std::uint32_t> ids = cell.list.ids(); !ids.empty();) {
+    const std::span<const std::uint32_t> slice =
+        ids.first(std::min(ids.size(), kdtree::kReferencesPerSlice));
+    ids = ids.subspan(slice.size());
+    kdtree::ReferenceList list(slice.size());
+    source_.again(slice, list.all().data(), counters);
+    pieces.push_back(std::make_shared<const kdtree::ReferenceList>(std::move(list)));
+  }
+  fresh->list = make_list(std::move(pieces));
   return fresh;
 }
 
@@ -193,18 +207,20 @@ void LazyTree::mind_room(Division& division) const {
 void LazyTree::divide_compact(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
                               kdtree::BuildCounters& counters) {
   const std::uint64_t bytes = cell.list.size() * sizeof(kdtree::Reference);
-  const bool is_long = cell.list.size() >= kdtree::kLongList;
   const bool has_room = has_room_for(2 * bytes);
+  grow::GrowingBytes growing(tree_, 2 * bytes);  // the list, and those of the new cells
   std::unique_ptr<kdtree::DeferredCell> listed = with_list_again(cell, counters);
-  if (is_long && has_room) {
-    listed->list = kdtree::CellList(
-        make_list({std::make_shared<const kdtree::ReferenceList>(listed->list.copy())}));
-    publish(slot, cell, tree_.defer(std::move(listed)), counters);
-    return;
+  const bool is_long = listed->list.sliced() != nullptr;
+  CellTask alone(nullptr);
+  Division division;
+  if (!is_long) {
+    division = divide_short(context_, *listed, counters);
+  } else if (!has_room) {
+    division = divide_long(context_, *listed, PassSequence(alone, counters, nullptr), counters);
   }
-  Division division = divide_short(context_, *listed, counters);
   division.compact = !has_room;
-  if (!may_wait(division, *listed)) {
+  if ((is_long && has_room) || !may_wait(division, *listed)) {
+    growing.shrink(0);
     publish(slot, cell, tree_.defer(std::move(listed)), counters);
     return;
   }

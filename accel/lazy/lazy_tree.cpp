@@ -209,6 +209,7 @@ ExpandResult LazyTree::run_all_passes(kdtree::AtomicSlot& slot, kdtree::Deferred
                                       CellTask& task, kdtree::BuildCounters& counters,
                                       const std::atomic<bool>* cancelled) {
   reserve();
+  grow::GrowingBytes growing(tree_, cell.size * sizeof(kdtree::Reference));
   Division division =
       divide_long(context_, cell, PassSequence(task, counters, cancelled), counters);
   mind_room(division);
@@ -216,6 +217,7 @@ ExpandResult LazyTree::run_all_passes(kdtree::AtomicSlot& slot, kdtree::Deferred
     mark_whole(slot, cell);
     return ExpandResult::kRetry;
   }
+  if (!division.compact) growing.shrink(0);  // the new cells count them
   const kdtree::Slot built = make_slot(std::move(division), cell);
   std::uint64_t expected = kdtree::Slot::deferred(&cell).bits();
   if (slot.compare_exchange_strong(expected, built.bits(), std::memory_order_acq_rel)) {

@@ -87,20 +87,28 @@ class Evictor {
 // The process's resident memory beside what the trees account for.
 class ResidentMemory {
  public:
-  explicit ResidentMemory(const TreeMemory& memory)
-      : memory_(memory), before_((malloc_trim(0), resident_bytes())) {}
+  explicit ResidentMemory(const TreeMemory& memory) : memory_(memory), before_(settled()) {}
 
   void look() {
-    const std::uint64_t now = resident_bytes(), grown = now - std::min(now, before_);
+    const std::uint64_t grown = above_before(resident_bytes());
     if (grown <= most_) return;
     most_ = grown;
     accounted_ = memory_.held();
   }
+  // Without what is freed and not given back to the system yet.
+  std::uint64_t at_end() const { return above_before(settled()); }
   std::uint64_t before() const { return before_; }
   std::uint64_t most() const { return most_; }
   std::uint64_t accounted() const { return accounted_; }
 
  private:
+  static std::uint64_t settled() {
+    accel::kdtree::reclaim();
+    malloc_trim(0);
+    return resident_bytes();
+  }
+  std::uint64_t above_before(std::uint64_t now) const { return now - std::min(now, before_); }
+
   const TreeMemory& memory_;
   std::uint64_t before_;
   std::uint64_t most_ = 0, accounted_ = 0;
@@ -184,6 +192,7 @@ Result<Row> measure(const Task& task, const Load& load, const Snapshot& all) {
                             [&] { resident.look(); });
   if (!limited.ok()) return limited.error();
   Row row;
+  const std::uint64_t resident_at_end = resident.at_end();
   row["kind"] = load.kind;
   row["policy"] = policy_name(task.growth);
   row["threads"] = task.common.threads;
@@ -195,6 +204,7 @@ Result<Row> measure(const Task& task, const Load& load, const Snapshot& all) {
   row["over_bytes"] = memory->most_held() - std::min(limit, memory->most_held());
   row["bytes_at_end"] = memory->held();
   row["rss_before_bytes"] = resident.before();
+  row["rss_at_end_bytes"] = resident_at_end;
   row["rss_grown_bytes"] = resident.most();
   row["accounted_then_bytes"] = resident.accounted();
   row["evictions"] = memory->evictions();
