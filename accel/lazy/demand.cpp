@@ -127,9 +127,9 @@ std::uint64_t LazyTree::cost_of_expanding(const kdtree::DeferredCell& cell) cons
 }
 
 bool LazyTree::searches(const kdtree::DeferredCell& cell, std::uint64_t rays, bool by_demand) {
-  const bool has_room = may_grow(cell);
-  if (has_room && !cell.evicted && (!by_demand || !is_over_faces())) return false;
-  return !is_worth_expanding(cell, rays) || !has_room;
+  const bool has_capacity = may_grow(cell);
+  if (has_capacity && !cell.evicted && (!by_demand || !is_over_faces())) return false;
+  return !is_worth_expanding(cell, rays) || !has_capacity;
 }
 
 bool LazyTree::is_worth_expanding(const kdtree::DeferredCell& cell, std::uint64_t rays) const {

@@ -189,17 +189,17 @@ std::unique_ptr<kdtree::DeferredCell> LazyTree::with_list_again(
   return fresh;
 }
 
-bool LazyTree::has_room_for(std::uint64_t bytes) const {
+bool LazyTree::has_capacity_for(std::uint64_t bytes) const {
   const kdtree::TreeMemory* memory = tree_.memory();
   return memory == nullptr || memory->held() + bytes <= memory->low_water();
 }
 
 /// Lists that do not fit are not kept: the eviction of each would keep rays from growing the tree.
-void LazyTree::mind_room(Division& division) const {
+void LazyTree::heed_capacity(Division& division) const {
   if (!is_evictable() || division.cuts.empty()) return;
   std::uint64_t bytes = 0;
   for (const NewCell& fresh : division.cells) bytes += fresh.part.list.bytes();
-  division.compact = !has_room_for(bytes);
+  division.compact = !has_capacity_for(bytes);
 }
 
 /// A claimed cell with a compact list. With room, several threads may divide a long list; without,
@@ -207,7 +207,7 @@ void LazyTree::mind_room(Division& division) const {
 void LazyTree::divide_compact(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
                               kdtree::BuildCounters& counters) {
   const std::uint64_t bytes = cell.list.size() * sizeof(kdtree::Reference);
-  const bool has_room = has_room_for(2 * bytes);
+  const bool has_capacity = has_capacity_for(2 * bytes);
   grow::GrowingBytes growing(tree_, 2 * bytes);  // the list, and those of the new cells
   std::unique_ptr<kdtree::DeferredCell> listed = with_list_again(cell, counters);
   const bool is_long = listed->list.sliced() != nullptr;
@@ -215,11 +215,11 @@ void LazyTree::divide_compact(kdtree::AtomicSlot& slot, kdtree::DeferredCell& ce
   Division division;
   if (!is_long) {
     division = divide_short(context_, *listed, counters);
-  } else if (!has_room) {
+  } else if (!has_capacity) {
     division = divide_long(context_, *listed, PassSequence(alone, counters, nullptr), counters);
   }
-  division.compact = !has_room;
-  if ((is_long && has_room) || !may_wait(division, *listed)) {
+  division.compact = !has_capacity;
+  if ((is_long && has_capacity) || !may_wait(division, *listed)) {
     growing.shrink(0);
     publish(slot, cell, tree_.defer(std::move(listed)), counters);
     return;

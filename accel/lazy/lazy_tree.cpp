@@ -162,7 +162,7 @@ ExpandResult LazyTree::expand_claimed(kdtree::AtomicSlot& slot, kdtree::Deferred
         return ExpandResult::kRetry;
       }
       Division division = divide_short(context_, cell, counters);
-      mind_room(division);
+      heed_capacity(division);
       if (may_wait(division, cell)) {
         publish(slot, cell, make_slot(std::move(division), cell), counters);
         return ExpandResult::kRetry;
@@ -212,7 +212,7 @@ ExpandResult LazyTree::run_all_passes(kdtree::AtomicSlot& slot, kdtree::Deferred
   grow::GrowingBytes growing(tree_, cell.size * sizeof(kdtree::Reference));
   Division division =
       divide_long(context_, cell, PassSequence(task, counters, cancelled), counters);
-  mind_room(division);
+  heed_capacity(division);
   if (!may_wait(division, cell)) {
     mark_whole(slot, cell);
     return ExpandResult::kRetry;

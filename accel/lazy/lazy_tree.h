@@ -130,8 +130,8 @@ class LazyTree {
                                    kdtree::BuildCounters& counters) const;
   std::unique_ptr<kdtree::DeferredCell> with_list_again(const kdtree::DeferredCell& cell,
                                                         kdtree::BuildCounters& counters) const;
-  bool has_room_for(std::uint64_t bytes) const;
-  void mind_room(Division& division) const;
+  bool has_capacity_for(std::uint64_t bytes) const;
+  void heed_capacity(Division& division) const;
   void divide_compact(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
                       kdtree::BuildCounters& counters);
   bool evicted_must_wait(std::uint64_t references) const;
