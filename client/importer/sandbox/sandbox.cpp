@@ -37,7 +37,7 @@ using Clock = std::chrono::steady_clock;
 constexpr int kWallPerProcessorTime = 8;
 
 // How often a silent child is looked at, and how many children are replaced if they are stuck.
-constexpr std::chrono::milliseconds kLook{100};
+constexpr std::chrono::milliseconds kLookEvery{100};
 constexpr int kMostStuck = 3;
 
 // What this process holds already counts for a child that is forked from it.
@@ -159,7 +159,7 @@ class Child {
     StuckWatch watch;
     for (;;) {
       const auto rest = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
-      const auto wait = std::clamp(rest, rest.zero(), kLook);
+      const auto wait = std::clamp(rest, rest.zero(), kLookEvery);
       pollfd ready{channel_.get(), POLLIN, 0};
       const int count = ::poll(&ready, 1, static_cast<int>(wait.count()));
       if (count > 0) return true;
