@@ -309,7 +309,7 @@ TEST(Eviction, ThreadsCastWhileAnotherEvicts) {
     std::vector<tests::PacketAnswer> expected;
     for (const Ray& ray : rays) expected.push_back(search(of.mesh, ray, {}));
     std::atomic<std::size_t> wrong{0};
-    std::atomic<int> casting{2};
+    std::atomic<int> casting{2}, turns{0};
     std::atomic<std::size_t> evicted{0};
     const auto cast = [&](bool backward) {
       for (int turn = 0; turn < 20 || evicted == 0; ++turn) {
@@ -322,14 +322,21 @@ TEST(Eviction, ThreadsCastWhileAnotherEvicts) {
           }
         }
         if (build) of.build();
+        ++turns;
       }
       --casting;
     };
     std::thread one(cast, true), other(cast, false);
-    do {
+    // Once a turn: a build that is undone all the time does not end.
+    for (int seen = -1; casting > 0;) {
+      if (seen == turns) {
+        std::this_thread::yield();
+        continue;
+      }
+      seen = turns;
       evicted += of.evict_all();
       kdtree::reclaim();
-    } while (casting > 0);
+    }
     one.join();
     other.join();
     EXPECT_EQ(wrong, 0u);
