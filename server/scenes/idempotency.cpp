@@ -35,7 +35,8 @@ std::string_view id_of(const Record& record) {
 std::string bytes_of(std::string_view id, const AnswerHeader& header,
                      const std::vector<scenegraph::model::NodeId>& nodes) {
   std::string bytes(reinterpret_cast<const char*>(&header), sizeof(header));
-  bytes.append(reinterpret_cast<const char*>(nodes.data()), nodes.size() * sizeof(nodes[0]));
+  if (!nodes.empty())
+    bytes.append(reinterpret_cast<const char*>(nodes.data()), nodes.size() * sizeof(nodes[0]));
   return bytes.append(id);
 }
 
@@ -43,6 +44,7 @@ scenegraph::Applied answer_of(const Record& record) {
   const AnswerHeader header = header_of(record);
   scenegraph::Applied answer{.revision = header.revision,
                              .nodes = std::vector<scenegraph::model::NodeId>(header.nodes)};
+  if (header.nodes == 0) return answer;
   std::memcpy(answer.nodes.data(), record.bytes().data() + sizeof(header),
               header.nodes * sizeof(answer.nodes[0]));
   return answer;

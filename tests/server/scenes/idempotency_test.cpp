@@ -52,6 +52,7 @@ TEST(RequestAnswers, RefusesADifferentRequestWithTheSameId) {
   ASSERT_FALSE(other);
   EXPECT_EQ(other.error().code, Code::kInvalidArgument);
   EXPECT_NE(other.error().message.find("revision 7"), std::string::npos);
+  EXPECT_TRUE((*answers.find("a", 1))->nodes.empty());
 }
 
 TEST(Producers, AreFoundAgainAndBounded) {
