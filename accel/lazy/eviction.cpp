@@ -28,6 +28,18 @@ bool is_wanted(const kdtree::DeferredCell& cell) {
   return work != nullptr && static_cast<const CellTask*>(work)->is_wanted();
 }
 
+/// The same references at the same place, and what rays have spent on them.
+std::unique_ptr<kdtree::DeferredCell> without_list(const kdtree::DeferredCell& cell) {
+  auto fresh = std::make_unique<kdtree::DeferredCell>();
+  fresh->box = cell.box;
+  fresh->path = cell.path;
+  fresh->left_over = cell.left_over;
+  fresh->size = cell.size;
+  fresh->weight = cell.weight;
+  fresh->spent = cell.spent.load(std::memory_order_relaxed);
+  return fresh;
+}
+
 }  // namespace
 
 bool LazyTree::is_evictable() const {
@@ -133,15 +145,9 @@ std::unique_ptr<kdtree::DeferredCell> LazyTree::evicted_subtree(
 
 std::unique_ptr<kdtree::DeferredCell> LazyTree::with_compact_list(
     const kdtree::DeferredCell& cell) const {
-  auto fresh = std::make_unique<kdtree::DeferredCell>();
-  fresh->box = cell.box;
-  fresh->path = cell.path;
-  fresh->left_over = cell.left_over;
+  std::unique_ptr<kdtree::DeferredCell> fresh = without_list(cell);
   fresh->whole = cell.whole;
   fresh->evicted = cell.evicted;
-  fresh->size = cell.size;
-  fresh->weight = cell.weight;
-  fresh->spent = cell.spent.load(std::memory_order_relaxed);
   fresh->has_list = !holds_all(cell);
   if (!fresh->has_list) return fresh;
   std::vector<std::uint32_t> ids;
@@ -165,13 +171,7 @@ kdtree::ReferenceList LazyTree::list_again(const kdtree::DeferredCell& cell,
 /// all of it.
 std::unique_ptr<kdtree::DeferredCell> LazyTree::with_list_again(
     const kdtree::DeferredCell& cell, kdtree::BuildCounters& counters) const {
-  auto fresh = std::make_unique<kdtree::DeferredCell>();
-  fresh->box = cell.box;
-  fresh->path = cell.path;
-  fresh->left_over = cell.left_over;
-  fresh->size = cell.size;
-  fresh->weight = cell.weight;
-  fresh->spent = cell.spent.load(std::memory_order_relaxed);
+  std::unique_ptr<kdtree::DeferredCell> fresh = without_list(cell);
   if (cell.list.size() < kdtree::kLongList) {
     fresh->list = kdtree::CellList(list_again(cell, counters));
     return fresh;
