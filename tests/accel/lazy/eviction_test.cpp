@@ -105,21 +105,8 @@ struct Growing {
 
 TestMesh evicted_soup() { return tests::random_soup(6000, 0.05, 1); }
 
-/// Returns how many rays hit something.
 std::size_t expect_exact(const Growing& of, std::span<const Ray> rays) {
-  std::size_t hits = 0;
-  tests::each_packet(rays, kLanes, [&](std::span<const Ray> part) {
-    for (const tests::PacketQuestion& question : tests::kPacketQuestions) {
-      AskedPacket asked(part, question);
-      asked.ask(*of.tree, of.view);
-      for (std::size_t lane = 0; lane < part.size(); ++lane) {
-        const tests::PacketAnswer expected = search(of.mesh, part[lane], question);
-        EXPECT_EQ(asked.answer(lane), expected);
-        hits += expected.found ? 1 : 0;
-      }
-    }
-  });
-  return hits;
+  return tests::expect_exact(*of.tree, of.mesh, rays);
 }
 
 TEST(Eviction, AFullTreeGoesAndComesBack) {

@@ -1,6 +1,8 @@
 // Packets in the tree of a mesh, and what the hit rule says of their rays without a tree.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -117,6 +119,25 @@ template <class Test>
 void each_packet(std::span<const accel::geometry::Ray> rays, std::size_t size, const Test& test) {
   for (std::size_t i = 0; i < rays.size(); i += size)
     test(rays.subspan(i, std::min(size, rays.size() - i)));
+}
+
+/// The tree's packets answer every question as the hit rule does. Returns how many rays hit
+/// something.
+inline std::size_t expect_exact(accel::lazy::LazyTree& tree, const TestMesh& mesh,
+                                std::span<const accel::geometry::Ray> rays) {
+  std::size_t hits = 0;
+  each_packet(rays, accel::wide::kLanes, [&](std::span<const accel::geometry::Ray> part) {
+    for (const PacketQuestion& question : kPacketQuestions) {
+      AskedPacket asked(part, question);
+      asked.ask(tree, mesh.view());
+      for (std::size_t lane = 0; lane < part.size(); ++lane) {
+        const PacketAnswer expected = search(mesh, part[lane], question);
+        EXPECT_EQ(asked.answer(lane), expected);
+        hits += expected.found ? 1 : 0;
+      }
+    }
+  });
+  return hits;
 }
 
 }  // namespace sightline::tests
