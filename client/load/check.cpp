@@ -3,12 +3,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
 namespace sightline::client::load {
 namespace {
 
 using nlohmann::ordered_json;
+
+constexpr const char* kFailed = "failed";
+constexpr const char* kRefused = "refused";
 
 Error unlike(std::string message) {
   return {Code::kInvalidArgument, std::move(message), "NOT_COMPARABLE"};
@@ -73,8 +77,8 @@ Result<std::vector<Regression>> compare(const ordered_json& before, const ordere
       check.must_not_rise("p50_ms", tolerance);
       check.must_not_rise("p99_ms", kTailFactor * tolerance);
     }
-    check.must_not_rise("failed", 0);
-    check.must_not_rise("refused", 0);
+    check.must_not_rise(kFailed, 0);
+    check.must_not_rise(kRefused, 0);
   }
   return found;
 }
@@ -88,6 +92,12 @@ Result<std::vector<Regression>> find_regressions(const ordered_json& before,
   } catch (const ordered_json::exception& e) {
     return unlike(fmt::format("the old result is not one of a load test: {}", e.what()));
   }
+}
+
+bool may_be_noise(const std::vector<Regression>& regressions) {
+  return std::ranges::none_of(regressions, [](const Regression& regression) {
+    return regression.figure == kFailed || regression.figure == kRefused;
+  });
 }
 
 std::string to_string(const Regression& regression) {

@@ -80,6 +80,21 @@ Result<Json> read_result(const std::string& file) {
   return document;
 }
 
+Result<load::LoadResult> measure(const Session& session, const LoadArguments& arguments,
+                                 const std::stop_token& stop) {
+  const auto connect = [&] {
+    Session own = session;
+    own.options.own_connection = true;
+    return own.connect();
+  };
+  ProgressBar bar("measuring");
+  return load::run_load(arguments.options, connect, stop,
+                        [&](const std::string& label, double fraction, std::uint64_t rays) {
+                          bar.update(fraction,
+                                     fmt::format("{}, {} rays", label, format_count(rays)));
+                        });
+}
+
 ExitCode run(const Session& session, LoadArguments& arguments, const std::string& command) {
   const Interrupt interrupt;
   if (!arguments.check.empty()) {
@@ -91,25 +106,18 @@ ExitCode run(const Session& session, LoadArguments& arguments, const std::string
     if (interrupt.happened()) return say_interrupted();
     return fail(chosen.error());
   }
-  const auto connect = [&] {
-    Session own = session;
-    own.options.own_connection = true;
-    return own.connect();
-  };
-  const auto result = [&] {
-    ProgressBar bar("measuring");
-    return load::run_load(arguments.options, connect, interrupt.token(),
-                          [&](const std::string& label, double fraction, std::uint64_t rays) {
-                            bar.update(fraction,
-                                       fmt::format("{}, {} rays", label, format_count(rays)));
-                          });
-  }();
-  if (!result && interrupt.happened()) return say_interrupted();
-  if (!result) return fail(result.error());
   const load::LoadContext context{.rays = arguments.rays,
                                   .command = command,
                                   .client_version = SIGHTLINE_VERSION,
                                   .machine = load::this_machine()};
+  auto result = measure(session, arguments, interrupt.token());
+  for (int runs = 1; result && runs < load::kRunsToConfirm; ++runs) {
+    if (!seems_slower(arguments.output, arguments.options, context, *result)) break;
+    print_warning("slower than the earlier result: measured again, to be sure");
+    result = measure(session, arguments, interrupt.token());
+  }
+  if (!result && interrupt.happened()) return say_interrupted();
+  if (!result) return fail(result.error());
   return put_out(session, arguments.output, arguments.options, context, *result);
 }
 

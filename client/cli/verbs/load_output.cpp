@@ -67,6 +67,14 @@ Result<bool> check_against(const Json& before, double tolerance, Json& result) {
 
 }  // namespace
 
+bool seems_slower(const LoadOutput& output, const load::LoadOptions& options,
+                  const load::LoadContext& context, const load::LoadResult& result) {
+  if (!output.before || result.interrupted) return false;
+  const auto found = load::find_regressions(
+      *output.before, load::to_json(options, context, result), output.tolerance);
+  return found && !found->empty() && load::may_be_noise(*found);
+}
+
 ExitCode put_out(const Session& session, const LoadOutput& output, const load::LoadOptions& options,
                  const load::LoadContext& context, const load::LoadResult& result) {
   Json json = load::to_json(options, context, result);

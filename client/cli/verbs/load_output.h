@@ -16,6 +16,10 @@ struct LoadOutput {
   double tolerance = 0;
 };
 
+/// Whether the result is slower than the earlier document, and another run may not be.
+bool seems_slower(const LoadOutput& output, const load::LoadOptions& options,
+                  const load::LoadContext& context, const load::LoadResult& result);
+
 /// Prints the table or the document on stdout, warnings and regressions on stderr, and writes the
 /// page. Returns the exit code of the command: kFailed also for a regression.
 ExitCode put_out(const Session& session, const LoadOutput& output, const load::LoadOptions& options,

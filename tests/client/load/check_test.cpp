@@ -55,6 +55,13 @@ TEST(Check, RequestsThatFailAreARegression) {
   EXPECT_EQ(figures(document(1e6, 8, 20), now), (Names{"refused"}));
 }
 
+TEST(Check, OnlyTimesAreWorthMeasuringAgain) {
+  const auto row = [](const char* figure) { return Regression{"lazy at 10 %", figure, 1, 2}; };
+  EXPECT_TRUE(may_be_noise({row("rays_per_s"), row("p99_ms")}));
+  EXPECT_FALSE(may_be_noise({row("rays_per_s"), row("refused")}));
+  EXPECT_FALSE(may_be_noise({row("failed")}));
+}
+
 TEST(Check, WhatIsNotComparableIsAnError) {
   Json other = document(1e6, 8, 20);
   other["batch"] = 1;
