@@ -101,7 +101,7 @@ void State::enforce_limits() {
     scenes::free_dropped_trees();
     reclaimer.measure();
     if (memory.used() > memory.limit(exec::Held::kTrees)) reclaimer.reclaim(0);
-    trimmer.observe(memory.used());
+    trimmer.observe(memory.used(), exec::resident_bytes());
     return {};
   });
   if (!enforced) spdlog::error("event=limits_not_enforced error={}", enforced.error().message);

@@ -2,20 +2,44 @@
 #include "server/exec/heap_trimmer.h"
 
 #include <malloc.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <fstream>
 
 namespace sightline::server::exec {
+namespace {
 
-bool HeapTrimmer::observe(std::uint64_t held) {
-  const bool falling = held < last_;
-  last_ = held;
+std::uint64_t difference(std::uint64_t a, std::uint64_t b) { return a > b ? a - b : b - a; }
+
+}  // namespace
+
+bool HeapTrimmer::observe(std::uint64_t held, std::uint64_t resident) {
   most_ = std::max(most_, held);
+  const std::uint64_t least = std::max(kLeastBytes, most_ / kLeastShare);
   // While bytes are freed a pass would have to be made again.
-  if (falling || most_ - held < std::max(kLeastBytes, most_ / kLeastShare)) return false;
+  const bool falling = held < last_;
+  at_rest_ = difference(held, last_) < least ? at_rest_ + 1 : 0;
+  last_ = held;
+  const bool scratch = is_scratch_worth_it(held, resident);
+  if (falling || (most_ - held < least && !scratch)) return false;
   most_ = held;
+  least_unheld_ = std::numeric_limits<std::uint64_t>::max();
   malloc_trim(0);
   return true;
+}
+
+bool HeapTrimmer::is_scratch_worth_it(std::uint64_t held, std::uint64_t resident) {
+  const std::uint64_t unheld = resident - std::min(held, resident);
+  least_unheld_ = std::min(least_unheld_, unheld);
+  return at_rest_ >= kCallsAtRest &&
+         unheld - least_unheld_ >= std::max(kLeastScratch, resident / kLeastScratchShare);
+}
+
+std::uint64_t resident_bytes() {
+  std::uint64_t size = 0, resident = 0;
+  if (!(std::ifstream("/proc/self/statm") >> size >> resident)) return 0;
+  return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
 }
 
 }  // namespace sightline::server::exec

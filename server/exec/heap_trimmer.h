@@ -2,23 +2,38 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 namespace sightline::server::exec {
 
-/// The C library keeps freed pages in the middle of its heap. Threads: one at a time.
+/// The C library keeps freed pages in the middle of its heap: of what was dropped, and of what
+/// building trees took for a while. Threads: one at a time.
 class HeapTrimmer {
  public:
-  /// The least that is worth a pass over the heap, and the least share of the heap.
+  /// The least that is worth a pass over the heap, and the least share of what is held.
   static constexpr std::uint64_t kLeastBytes = std::uint64_t{1} << 20;
   static constexpr std::uint64_t kLeastShare = 16;
+  /// The same of memory that came in use without being held, as it is soon used again if trees are
+  /// still built; and for so many calls nothing must be.
+  static constexpr std::uint64_t kLeastScratch = std::uint64_t{16} << 20;
+  static constexpr std::uint64_t kLeastScratchShare = 8;
+  static constexpr int kCallsAtRest = 4;
 
-  /// Call it from time to time with the bytes that the process holds now. True: the heap was
-  /// trimmed, since much was freed after the last time, and freeing has come to rest.
-  bool observe(std::uint64_t held);
+  /// Call it from time to time with the bytes that the process holds now, by its own account, and
+  /// those that are resident (0: not known). True: the heap was trimmed, since much was freed after
+  /// the last time, and freeing and building have come to rest.
+  bool observe(std::uint64_t held, std::uint64_t resident);
 
  private:
+  bool is_scratch_worth_it(std::uint64_t held, std::uint64_t resident);
+
   std::uint64_t most_ = 0;  // since the heap was trimmed
   std::uint64_t last_ = 0;
+  std::uint64_t least_unheld_ = std::numeric_limits<std::uint64_t>::max();  // since then
+  int at_rest_ = 0;                                                         // calls
 };
+
+/// Of this process; 0 if the system does not say.
+std::uint64_t resident_bytes();
 
 }  // namespace sightline::server::exec

@@ -10,30 +10,50 @@ constexpr std::uint64_t kMib = std::uint64_t{1} << 20;
 
 TEST(HeapTrimmer, TrimsOnceAfterMuchWasFreed) {
   HeapTrimmer trimmer;
-  EXPECT_FALSE(trimmer.observe(100 * kMib));
-  EXPECT_FALSE(trimmer.observe(10 * kMib)) << "freeing may go on";
-  EXPECT_TRUE(trimmer.observe(10 * kMib));
-  EXPECT_FALSE(trimmer.observe(10 * kMib));
+  EXPECT_FALSE(trimmer.observe(100 * kMib, 0));
+  EXPECT_FALSE(trimmer.observe(10 * kMib, 0)) << "freeing may go on";
+  EXPECT_TRUE(trimmer.observe(10 * kMib, 0));
+  EXPECT_FALSE(trimmer.observe(10 * kMib, 0));
 }
 
 TEST(HeapTrimmer, LeavesALittleAlone) {
   HeapTrimmer trimmer;
-  EXPECT_FALSE(trimmer.observe(1000 * kMib));
-  for (int i = 0; i < 3; ++i) EXPECT_FALSE(trimmer.observe(990 * kMib));
-  EXPECT_FALSE(trimmer.observe(900 * kMib));
-  EXPECT_TRUE(trimmer.observe(901 * kMib)) << "what grows again does not put it off";
+  EXPECT_FALSE(trimmer.observe(1000 * kMib, 0));
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE(trimmer.observe(990 * kMib, 0));
+  EXPECT_FALSE(trimmer.observe(900 * kMib, 0));
+  EXPECT_TRUE(trimmer.observe(901 * kMib, 0)) << "what grows again does not put it off";
 }
 
 TEST(HeapTrimmer, CountsFromTheMostSinceTheLastTime) {
   HeapTrimmer trimmer;
-  EXPECT_FALSE(trimmer.observe(64 * kMib));
-  EXPECT_FALSE(trimmer.observe(32 * kMib));
-  EXPECT_TRUE(trimmer.observe(32 * kMib));
-  EXPECT_FALSE(trimmer.observe(31 * kMib));
-  EXPECT_FALSE(trimmer.observe(31 * kMib)) << "of 32 MiB, one is little";
-  EXPECT_FALSE(trimmer.observe(20 * kMib));
-  EXPECT_TRUE(trimmer.observe(20 * kMib));
+  EXPECT_FALSE(trimmer.observe(64 * kMib, 0));
+  EXPECT_FALSE(trimmer.observe(32 * kMib, 0));
+  EXPECT_TRUE(trimmer.observe(32 * kMib, 0));
+  EXPECT_FALSE(trimmer.observe(31 * kMib, 0));
+  EXPECT_FALSE(trimmer.observe(31 * kMib, 0)) << "of 32 MiB, one is little";
+  EXPECT_FALSE(trimmer.observe(20 * kMib, 0));
+  EXPECT_TRUE(trimmer.observe(20 * kMib, 0));
 }
+
+TEST(HeapTrimmer, ReturnsWhatBuildingTookForAWhile) {
+  HeapTrimmer trimmer;
+  EXPECT_FALSE(trimmer.observe(10 * kMib, 30 * kMib));
+  EXPECT_FALSE(trimmer.observe(60 * kMib, 160 * kMib));
+  for (int call = 1; call < HeapTrimmer::kCallsAtRest; ++call)
+    EXPECT_FALSE(trimmer.observe(60 * kMib, 160 * kMib)) << "building may go on";
+  EXPECT_TRUE(trimmer.observe(60 * kMib, 160 * kMib));
+  // What could not be returned is not asked for again.
+  for (int call = 0; call < 3 * HeapTrimmer::kCallsAtRest; ++call)
+    EXPECT_FALSE(trimmer.observe(60 * kMib, 150 * kMib));
+}
+
+TEST(HeapTrimmer, LeavesMemoryToThoseWhoBuild) {
+  HeapTrimmer trimmer;
+  for (std::uint64_t held = 10; held < 150; held += 10)
+    EXPECT_FALSE(trimmer.observe(held * kMib, (2 * held + 100) * kMib));
+}
+
+TEST(HeapTrimmer, TheSystemSaysWhatIsResident) { EXPECT_GT(resident_bytes(), kMib); }
 
 }  // namespace
 }  // namespace sightline::server::exec
