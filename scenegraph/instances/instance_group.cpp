@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <functional>
+#include <limits>
 
 #include "scenegraph/instances/instance_bounds.h"
 
@@ -23,12 +24,6 @@ std::uint32_t weight(std::uint64_t entry_cost, unsigned shift) {
 
 /// Children that one thread opens at a time.
 constexpr std::size_t kChildrenPerSlice = 1024;
-
-/// A child with instances at or below it.
-struct Member {
-  const model::Node* node = nullptr;
-  const hierarchy::NodeSummary* group = nullptr;  // null: an instance and nothing else
-};
 
 /// Children looked up together.
 constexpr std::size_t kTogether = 32;
@@ -66,7 +61,26 @@ void add_members(const MobilityView& view, std::span<const model::NodeId> childr
   }
 }
 
-std::vector<Member> members_of(const MobilityView& view, std::span<const model::NodeId> children) {
+bool is_root_of_moved(const MobilityView& view, const Group& group) {
+  return group.node == nullptr && !view.is_static();
+}
+
+/// Of a group that is not is_root_of_moved().
+const model::ChildList& children_of(const MobilityView& view, const Group& group) {
+  return group.node == nullptr ? *view.hierarchy().roots : group.node->children;
+}
+
+/// Of a slice of the group's children.
+std::vector<Member> members_of(const MobilityView& view, const Group& group, std::size_t slice) {
+  const std::size_t begin = slice * kChildrenPerSlice;
+  if (is_root_of_moved(view, group)) {
+    const std::span<const Member> moved = view.moved().subspan(begin);
+    const auto part = moved.first(std::min(moved.size(), kChildrenPerSlice));
+    return {part.begin(), part.end()};
+  }
+  const std::vector<model::NodeId> slice_of_children =
+      children_of(view, group).slice(begin, kChildrenPerSlice);
+  const std::span<const model::NodeId> children = slice_of_children;
   std::vector<Member> members;
   members.reserve(children.size());
   for (std::size_t first = 0; first < children.size(); first += kTogether) {
@@ -90,9 +104,9 @@ void reserve_numbers(const Member& member, Opened::Numbers& next) {
 /// Opens some of a group's children: gives them bounds and numbers.
 class SliceBuilder {
  public:
-  SliceBuilder(const MobilityView& view, const Group& group, const accel::geometry::Vec3d& center,
-               unsigned shift, const Opened::Numbers& first)
-      : view_(view), group_(group), center_(center), shift_(shift), next_(first) {}
+  SliceBuilder(const MobilityView& view, const Group& group, unsigned shift,
+               const Opened::Numbers& first)
+      : view_(view), group_(group), shift_(shift), next_(first) {}
 
   std::unique_ptr<const OpenedSlice> build(const std::vector<Member>& members, bool own) {
     const auto groups = static_cast<std::size_t>(std::count_if(
@@ -115,6 +129,8 @@ class SliceBuilder {
 
  private:
   void add_member(const Member& member) {
+    if (member.known != nullptr && member.known->mask != 0)
+      return refer_to(slice_->instances.emplace_back(*member.known));
     const model::Node& node = *member.node;
     const model::Affine world = group_.node == nullptr
                                     ? world_from_local(view_.hierarchy(), node)
@@ -141,10 +157,15 @@ class SliceBuilder {
     instance.local_from_world = *local_from_world;
     instance.mirrored = mirrors(world);
     instance.mask = node.mask;
-    instance.box =
-        confined(instance_box(world, *local_from_world, node.mesh->bounds(), center_), group_.box);
+    instance.box = confined(
+        instance_box(world, *local_from_world, node.mesh->bounds(), view_.center()), group_.box);
+    refer_to(instance);
+  }
+
+  void refer_to(Instance& instance) {
+    instance.index = static_cast<std::uint32_t>(next_.instances);
     slice_->refs.push_back({instance.box.lo, instance.index, instance.box.hi,
-                            weight(hierarchy::entry_cost(*node.mesh), shift_)});
+                            weight(hierarchy::entry_cost(*instance.mesh), shift_)});
   }
 
   void add_group(const model::Node& node, const model::Affine& world,
@@ -152,7 +173,7 @@ class SliceBuilder {
     Group& group = slice_->groups[groups_++];
     group.node = &node;
     group.world_from_local = world;
-    group.box = confined(group_box(world, summary, center_), group_.box);
+    group.box = confined(group_box(world, summary, view_.center()), group_.box);
     group.number = static_cast<std::uint32_t>(next_.groups);
     group.first_group = group.number + 1;
     group.first_instance = static_cast<std::uint32_t>(next_.instances);
@@ -164,18 +185,23 @@ class SliceBuilder {
 
   const MobilityView& view_;
   const Group& group_;
-  const accel::geometry::Vec3d center_;
   const unsigned shift_;
   Opened::Numbers next_;
   std::size_t groups_ = 0;
   std::unique_ptr<OpenedSlice> slice_ = std::make_unique<OpenedSlice>();
 };
 
-std::vector<model::NodeId> slice_of(const model::ChildList& children, std::size_t slice) {
-  return children.slice(slice * kChildrenPerSlice, kChildrenPerSlice);
+/// Of the siblings. The root group of a dynamic tree has no box of its own.
+accel::geometry::Aabb box_over(const MobilityView& view, const Group& group,
+                               std::span<const Reference> siblings) {
+  if (!is_root_of_moved(view, group)) return group.box;
+  accel::geometry::Aabb box;
+  for (const Reference& ref : siblings) box.grow(ref.bounds());
+  return box;
 }
 
-std::unique_ptr<const Opened::Siblings> collect_siblings(const Group& group, const Opened& opened) {
+std::unique_ptr<const Opened::Siblings> collect_siblings(const MobilityView& view,
+                                                         const Group& group, const Opened& opened) {
   std::vector<Reference> refs;
   refs.reserve(opened.slices.size() == 1 ? opened.slices[0].refs.size()
                                          : opened.slices.size() * kChildrenPerSlice);
@@ -190,7 +216,8 @@ std::unique_ptr<const Opened::Siblings> collect_siblings(const Group& group, con
         siblings->some_open_at_once ||
         std::any_of(groups.begin(), groups.end(), [](const Group& g) { return g.opens_at_once; });
   }
-  siblings->levels = make_clusters(std::move(refs), group.box, group.first_cluster);
+  const accel::geometry::Aabb box = box_over(view, group, refs);
+  siblings->levels = make_clusters(std::move(refs), box, group.first_cluster);
   siblings->clusters = siblings->levels.members();
   return siblings;
 }
@@ -221,9 +248,14 @@ const Group& child_towards_cluster(const Opened& opened, std::uint32_t number) {
 
 Group::~Group() { delete opened.load(std::memory_order_relaxed); }
 
-std::unique_ptr<Group> root_group(const MobilityView& view, const accel::geometry::Vec3d& center) {
+std::unique_ptr<Group> root_group(const MobilityView& view) {
   auto root = std::make_unique<Group>();
-  if (view.all().instances > 0) root->box = group_box(root->world_from_local, view.all(), center);
+  if (is_root_of_moved(view, *root)) {
+    constexpr float kFar = std::numeric_limits<float>::infinity();
+    root->box = {{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
+  } else if (view.all().instances > 0) {
+    root->box = group_box(root->world_from_local, view.all(), view.center());
+  }
   return root;
 }
 
@@ -237,13 +269,11 @@ Opened::Opened(std::size_t children)
     : numbers((children - std::min<std::size_t>(children, 1)) / kChildrenPerSlice),
       slices(numbers.size() + 1) {}
 
-const model::ChildList& children_of(const MobilityView& view, const Group& group) {
-  return group.node == nullptr ? view.roots() : group.node->children;
+std::size_t count_children(const MobilityView& view, const Group& group) {
+  return is_root_of_moved(view, group) ? view.moved().size() : children_of(view, group).size();
 }
 
-void open_group(const MobilityView& view, const Group& group, const accel::geometry::Vec3d& center,
-                unsigned shift, Opened& opened) {
-  const model::ChildList& children = children_of(view, group);
+void open_group(const MobilityView& view, const Group& group, unsigned shift, Opened& opened) {
   const bool own = group.node != nullptr && hierarchy::is_instance(*group.node);
   // Opening a few children takes less time than waiting. A slice of many children may take longer
   // than one stall.
@@ -251,22 +281,22 @@ void open_group(const MobilityView& view, const Group& group, const accel::geome
   const int stalls = opened.slices.size() > 1 ? kStalls : 0;
   opened.numbers.complete(stalls, [&](std::size_t slice) {
     auto taken = std::make_unique<Opened::Numbers>();
-    for (const Member& member : members_of(view, slice_of(children, slice)))
-      reserve_numbers(member, *taken);
+    for (const Member& member : members_of(view, group, slice)) reserve_numbers(member, *taken);
     return taken;
   });
   opened.slices.complete(stalls, [&](std::size_t slice) {
     Opened::Numbers first{group.first_instance + (own && slice > 0 ? 1u : 0u), group.first_group,
-                          group.first_cluster + max_clusters(children.size() + 1)};
+                          group.first_cluster + max_clusters(count_children(view, group) + 1)};
     for (std::size_t before = 0; before < slice; ++before) {
       first.instances += opened.numbers[before].instances;
       first.groups += opened.numbers[before].groups;
       first.clusters += opened.numbers[before].clusters;
     }
-    return SliceBuilder(view, group, center, shift, first)
-        .build(members_of(view, slice_of(children, slice)), own && slice == 0);
+    return SliceBuilder(view, group, shift, first)
+        .build(members_of(view, group, slice), own && slice == 0);
   });
-  opened.siblings.complete(stalls, [&](std::size_t) { return collect_siblings(group, opened); });
+  opened.siblings.complete(stalls,
+                           [&](std::size_t) { return collect_siblings(view, group, opened); });
 }
 
 }  // namespace sightline::scenegraph::instances

@@ -84,17 +84,17 @@ const Group& child_towards_group(const Opened& opened, std::uint32_t number);
 const Group& child_towards_cluster(const Opened& opened, std::uint32_t number);
 
 /// All of the tree as one group.
-std::unique_ptr<Group> root_group(const MobilityView& view, const accel::geometry::Vec3d& center);
+std::unique_ptr<Group> root_group(const MobilityView& view);
 
 /// How weights are made from entry costs: shifted right by this, so that they sum below 2^32.
 unsigned weight_shift(std::uint64_t total_cost);
 
-/// The group's children, those in the other tree too; for the root group, the view's roots.
-const model::ChildList& children_of(const MobilityView& view, const Group& group);
+/// Of the group's children, those in other trees too; of the root group's, those where the view
+/// begins.
+std::size_t count_children(const MobilityView& view, const Group& group);
 
 /// Returns when `opened` is complete, which is a pure function of the other arguments. Throws
 /// std::bad_alloc.
-void open_group(const MobilityView& view, const Group& group, const accel::geometry::Vec3d& center,
-                unsigned shift, Opened& opened);
+void open_group(const MobilityView& view, const Group& group, unsigned shift, Opened& opened);
 
 }  // namespace sightline::scenegraph::instances

@@ -11,20 +11,13 @@ using accel::kdtree::Reference;
 /// Groups that do not help culling are opened immediately until there are this many references.
 constexpr std::size_t kMaxImmediateRefs = kMaxUnclustered;
 
-/// The origin for an empty or infinite box.
-accel::geometry::Vec3d middle(const model::DoubleBox& box) {
-  const accel::geometry::Vec3d m = (box.lo + box.hi) * 0.5;
-  return accel::geometry::is_finite(m) ? m : accel::geometry::Vec3d{};
-}
-
 }  // namespace
 
 Instances::Instances(const hierarchy::Hierarchy& hierarchy, const MovedNodes* moved)
     : view_(hierarchy, moved),
-      center_(middle(view_.all().box)),
       weight_shift_(weight_shift(view_.all().entry_cost)),
       instances_(view_.all().instances),
-      root_group_(root_group(view_, center_)) {}
+      root_group_(root_group(view_)) {}
 
 Instances::~Instances() { delete roots_.load(std::memory_order_acquire); }
 
@@ -78,12 +71,12 @@ const Instances::Cluster& Instances::cluster(std::uint32_t number) const {
 const Opened& Instances::opened(const Group& group) const {
   Opened* now = group.opened.load(std::memory_order_acquire);
   if (now == nullptr) {
-    auto made = std::make_unique<Opened>(children_of(view_, group).size());
+    auto made = std::make_unique<Opened>(count_children(view_, group));
     if (group.opened.compare_exchange_strong(now, made.get(), std::memory_order_acq_rel))
       now = made.release();
   }
   if (now->listed.load(std::memory_order_acquire)) return *now;
-  open_group(view_, group, center_, weight_shift_, *now);
+  open_group(view_, group, weight_shift_, *now);
   enlist(*now);
   if (!now->listed.exchange(true, std::memory_order_acq_rel)) {
     for (std::size_t i = 0; i < now->slices.size(); ++i) {

@@ -36,7 +36,7 @@ class Instances {
 
   /// Scene coordinates are taken relative to this point, so that the tree's floats are as fine as
   /// its extent allows.
-  const accel::geometry::Vec3d& center() const { return center_; }
+  const accel::geometry::Vec3d& center() const { return view_.center(); }
   /// Its leaves hold indices of instances. Growing it does not change the snapshot.
   accel::lazy::LazyTree& tree() const { return *opened_roots().tree; }
 
@@ -45,6 +45,18 @@ class Instances {
   /// Appends the members of an openable reference: the same at every call, from any thread.
   /// Throws std::bad_alloc.
   void open(const accel::kdtree::Reference& ref, std::vector<accel::kdtree::Reference>& out) const;
+
+  /// Of a dynamic tree: calls visit(id, node, instance) for each of its roots. `instance` is null
+  /// if the root is not a single instance.
+  template <class Visit>
+  void for_each_root(const Visit& visit) const {
+    std::size_t index = 0;
+    for (const Member& root : view_.moved()) {
+      visit(root.node->id, root.node, root.group == nullptr ? &(*this)[index] : nullptr);
+      index += root.group == nullptr ? 1 : root.group->instances;
+    }
+    for (const model::NodeId id : view_.moved_without_instances()) visit(id, nullptr, nullptr);
+  }
 
   /// Groups and instances opened so far.
   std::uint64_t opened_members() const { return opened_members_.load(std::memory_order_relaxed); }
@@ -67,7 +79,6 @@ class Instances {
               std::vector<accel::kdtree::Reference>& out) const;
 
   MobilityView view_;
-  accel::geometry::Vec3d center_;
   unsigned weight_shift_;
   LazyArray<std::atomic<const Instance*>> instances_;
   std::unique_ptr<Group> root_group_;

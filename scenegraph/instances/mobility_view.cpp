@@ -1,4 +1,4 @@
-// Sums over the static side, from the dynamic roots up, and over the dynamic side.
+// Sums over the static side, from the dynamic roots up; the roots of a dynamic side.
 #include "scenegraph/instances/mobility_view.h"
 
 #include <algorithm>
@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "scenegraph/hierarchy/summary_tree.h"
+#include "scenegraph/instances/scene_trees.h"
 
 namespace sightline::scenegraph::instances {
 namespace {
@@ -17,32 +18,59 @@ std::size_t depth(const hierarchy::Hierarchy& hierarchy, model::NodeId id) {
   return depth;
 }
 
-/// What the node adds to the scene's summary, in world space.
-hierarchy::NodeSummary summary_in_world(const hierarchy::Hierarchy& hierarchy,
-                                        const model::Node& node) {
-  hierarchy::NodeSummary part = summary_in_parent(node, hierarchy.summary(node));
-  for (model::NodeId above = node.parent; above != 0; above = hierarchy.find(above)->parent)
-    part = transformed(hierarchy.find(above)->parent_from_local, part);
-  return part;
+/// A node that may be a root of a dynamic side, and what older trees know of it.
+struct Candidate {
+  model::NodeId id = 0;
+  const model::Node* node = nullptr;
+  const Instance* known = nullptr;
+};
+
+/// Appends the roots of an older tree. Its instances are those of this one if their nodes are the
+/// same, and the trees' centers.
+void add_part(const SceneTree& part, const hierarchy::Hierarchy& hierarchy,
+              const accel::geometry::Vec3d& center, std::vector<Candidate>& candidates) {
+  const Instances& instances = part.instances();
+  const bool same_center = instances.center() == center;
+  instances.for_each_root([&](model::NodeId id, const model::Node* node, const Instance* known) {
+    const bool same = known != nullptr && same_center && hierarchy.find(id) == node;
+    candidates.push_back({id, nullptr, same ? known : nullptr});
+  });
+}
+
+void add_changed(const std::optional<model::ChildList>& some, const hierarchy::Hierarchy& hierarchy,
+                 std::vector<Candidate>& candidates) {
+  if (some) {
+    for (const model::NodeId id : *some) candidates.push_back({id});
+  } else {
+    hierarchy.changed_at.for_each(
+        [&](model::NodeId id, std::uint64_t) { candidates.push_back({id}); });
+  }
 }
 
 /// Of these nodes, those that are there, have changed after this revision, and have no such node
-/// above them; ascending.
-std::vector<model::NodeId> topmost_changed_after(const hierarchy::Hierarchy& hierarchy,
-                                                 std::uint64_t after,
-                                                 std::vector<model::NodeId> candidates) {
+/// above them; ascending, each once.
+void keep_topmost(const hierarchy::Hierarchy& hierarchy, std::uint64_t after,
+                  std::vector<Candidate>& candidates) {
   const auto changed = [&](model::NodeId id) {
     const std::uint64_t* at = hierarchy.changed_at.find(id);
     return at != nullptr && *at > after;
   };
-  std::sort(candidates.begin(), candidates.end());
-  candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
-  std::erase_if(candidates, [&](model::NodeId id) {
-    if (!changed(id)) return true;
-    const model::Node* node = hierarchy.find(id);
-    return node == nullptr || any_upward(hierarchy, node->parent, changed);
+  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return std::pair(a.id, a.known == nullptr) < std::pair(b.id, b.known == nullptr);
   });
-  return candidates;
+  const auto same = [](const Candidate& a, const Candidate& b) { return a.id == b.id; };
+  candidates.erase(std::unique(candidates.begin(), candidates.end(), same), candidates.end());
+  std::erase_if(candidates, [&](Candidate& candidate) {
+    candidate.node = hierarchy.find(candidate.id);
+    return candidate.node == nullptr || !changed(candidate.id) ||
+           any_upward(hierarchy, candidate.node->parent, changed);
+  });
+}
+
+/// The origin for an empty or infinite box.
+accel::geometry::Vec3d middle(const model::DoubleBox& box) {
+  const accel::geometry::Vec3d m = (box.lo + box.hi) * 0.5;
+  return accel::geometry::is_finite(m) ? m : accel::geometry::Vec3d{};
 }
 
 }  // namespace
@@ -56,33 +84,49 @@ std::uint64_t last_change(const hierarchy::Hierarchy& hierarchy, model::NodeId i
   return last;
 }
 
-std::vector<model::NodeId> candidates_of(const MovedNodes& moved,
-                                         const hierarchy::Hierarchy& hierarchy) {
-  if (moved.candidates) return {moved.candidates->begin(), moved.candidates->end()};
-  std::vector<model::NodeId> changed;
-  changed.reserve(hierarchy.changed_at.size());
-  hierarchy.changed_at.for_each([&](model::NodeId id, std::uint64_t) { changed.push_back(id); });
-  return changed;
-}
-
 std::vector<model::NodeId> topmost_dynamic_roots(const hierarchy::Hierarchy& hierarchy) {
-  return topmost_changed_after(hierarchy, 0, candidates_of({}, hierarchy));
+  std::vector<Candidate> candidates;
+  add_changed(std::nullopt, hierarchy, candidates);
+  keep_topmost(hierarchy, 0, candidates);
+  std::vector<model::NodeId> roots;
+  for (const Candidate& candidate : candidates) roots.push_back(candidate.id);
+  return roots;
 }
 
 MobilityView::MobilityView(const hierarchy::Hierarchy& hierarchy, const MovedNodes* moved)
-    : hierarchy_(hierarchy),
-      is_static_(moved == nullptr),
-      dynamic_roots_(std::span<const model::NodeId>(
-          moved == nullptr
-              ? topmost_dynamic_roots(hierarchy)
-              : topmost_changed_after(hierarchy, moved->after, candidates_of(*moved, hierarchy)))) {
-  if (!is_static_) {
-    for (const model::NodeId id : dynamic_roots_)
-      add(all_, summary_in_world(hierarchy, *hierarchy.find(id)));
+    : hierarchy_(hierarchy), is_static_(moved == nullptr) {
+  if (moved != nullptr) {
+    find_moved(*moved);
     return;
   }
   all_ = hierarchy.summary(0);
-  if (!dynamic_roots_.empty()) leave_out_dynamic();
+  const std::vector<model::NodeId> roots = topmost_dynamic_roots(hierarchy);
+  if (!roots.empty()) leave_out_dynamic(roots);
+  center_ = middle(all_.box);
+}
+
+void MobilityView::find_moved(const MovedNodes& moved) {
+  center_ = moved.static_tree->instances().center();
+  std::vector<Candidate> roots;
+  for (const auto& part : moved.parts) add_part(*part, hierarchy_, center_, roots);
+  add_changed(moved.candidates, hierarchy_, roots);
+  keep_topmost(hierarchy_, moved.after, roots);
+  moved_.reserve(roots.size());
+  for (const auto& [id, node, known] : roots) {
+    const std::shared_ptr<const hierarchy::NodeSummary>* below =
+        node->children.empty() ? nullptr : hierarchy_.summaries.find(id);
+    if (below != nullptr && is_group(*node, **below)) {
+      moved_.push_back({node, below->get()});
+      all_.instances += (*below)->instances;
+      all_.entry_cost += (*below)->entry_cost;
+    } else if (hierarchy::is_instance(*node)) {
+      moved_.push_back({node, nullptr, known});
+      ++all_.instances;
+      all_.entry_cost += hierarchy::entry_cost(*node->mesh);
+    } else {
+      without_instances_.push_back(id);
+    }
+  }
 }
 
 const hierarchy::NodeSummary& MobilityView::group(model::NodeId id,
@@ -93,10 +137,10 @@ const hierarchy::NodeSummary& MobilityView::group(model::NodeId id,
 }
 
 /// From the deepest group up, each group above a dynamic root once.
-void MobilityView::leave_out_dynamic() {
+void MobilityView::leave_out_dynamic(const std::vector<model::NodeId>& roots) {
   std::map<std::size_t, std::map<model::NodeId, std::vector<model::NodeId>>, std::greater<>>
       by_depth;
-  for (const model::NodeId id : dynamic_roots_) {
+  for (const model::NodeId id : roots) {
     const model::NodeId parent = hierarchy_.find(id)->parent;
     by_depth[depth(hierarchy_, parent)][parent].push_back(id);
   }

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -11,16 +13,28 @@
 
 namespace sightline::scenegraph::instances {
 
+struct Instance;
+class SceneTree;
+
 /// What a dynamic tree holds: the nodes that changed after a revision, with all nodes below them.
 struct MovedNodes {
   std::uint64_t after = 0;
-  /// Has each of these nodes. May repeat some, and may have others. Nothing: all that have changed.
+  /// Has each of these nodes that is in none of the parts. May repeat some, and may have others.
+  /// Nothing: all that have changed.
   std::optional<model::ChildList> candidates = std::nullopt;
+  /// Trees that rays have opened: what has not left them is taken over as it is.
+  std::vector<std::shared_ptr<const SceneTree>> parts = {};
+  /// Coordinates are relative to its centre.
+  std::shared_ptr<const SceneTree> static_tree = nullptr;
 };
 
-/// The candidates, or the nodes that have an entry in Hierarchy::changed_at.
-std::vector<model::NodeId> candidates_of(const MovedNodes& moved,
-                                         const hierarchy::Hierarchy& hierarchy);
+/// A child of a group, with instances at or below it.
+struct Member {
+  const model::Node* node = nullptr;
+  const hierarchy::NodeSummary* group = nullptr;  ///< Null: an instance and nothing else.
+  /// The same instance in another tree with the same center. Null: it must be made.
+  const Instance* known = nullptr;
+};
 
 /// The part of a hierarchy that one tree holds. The static side is the hierarchy without the nodes
 /// that have changed (Hierarchy::changed_at); making its view costs the groups above those. A
@@ -32,10 +46,15 @@ class MobilityView {
   MobilityView(const hierarchy::Hierarchy& hierarchy, const MovedNodes* moved);
 
   const hierarchy::Hierarchy& hierarchy() const { return hierarchy_; }
-  /// Where the side begins: the scene's roots, or the topmost of the nodes that changed.
-  const model::ChildList& roots() const { return is_static_ ? *hierarchy_.roots : dynamic_roots_; }
-  /// Sum over the side, in world space.
+  bool is_static() const { return is_static_; }
+  /// Where a dynamic side begins: the topmost of the nodes that changed, ascending; those that have
+  /// instances, and those that have none.
+  std::span<const Member> moved() const { return moved_; }
+  std::span<const model::NodeId> moved_without_instances() const { return without_instances_; }
+  /// Of the static side, in world space; of a dynamic one only `instances` and `entry_cost`.
   const hierarchy::NodeSummary& all() const { return all_; }
+  /// Of the scene's coordinates, as trees use them.
+  const accel::geometry::Vec3d& center() const { return center_; }
   /// Whether a child of a node of this side belongs to it too.
   bool holds(const model::Node& node) const {
     return !is_static_ || hierarchy_.changed_at.find(node.id) == nullptr;
@@ -44,16 +63,19 @@ class MobilityView {
   const hierarchy::NodeSummary& group(model::NodeId id, const hierarchy::NodeSummary& known) const;
 
  private:
-  void leave_out_dynamic();
+  void find_moved(const MovedNodes& moved);
+  void leave_out_dynamic(const std::vector<model::NodeId>& roots);
   hierarchy::NodeSummary without_dynamic(model::NodeId group,
                                          const std::vector<model::NodeId>& changed) const;
 
   const hierarchy::Hierarchy& hierarchy_;
   const bool is_static_;
-  model::ChildList dynamic_roots_;  // the topmost, ascending
+  std::vector<Member> moved_;
+  std::vector<model::NodeId> without_instances_;
   std::unordered_map<model::NodeId, hierarchy::NodeSummary>
       without_dynamic_;  // of the static side: groups above dynamic roots
   hierarchy::NodeSummary all_;
+  accel::geometry::Vec3d center_;
 };
 
 /// The nodes that have changed since they left the static tree and have no such node above them,

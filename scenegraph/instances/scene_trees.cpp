@@ -7,15 +7,26 @@ namespace sightline::scenegraph::instances {
 
 SceneTree::~SceneTree() { delete instances_.load(std::memory_order_acquire); }
 
-/// Never blocks on another thread: the first result is kept.
+std::shared_ptr<const MovedNodes> SceneTree::moved() const {
+  const std::lock_guard lock(moved_mutex_);
+  return moved_;
+}
+
+/// Never blocks on another thread: the first result is kept. Each that makes one keeps the parts
+/// until it is done.
 const Instances& SceneTree::instances() const {
+  if (const Instances* opened = instances_so_far()) return *opened;
+  std::shared_ptr<const MovedNodes> moved = this->moved();
   const Instances* now = instances_.load(std::memory_order_acquire);
   if (now == nullptr) {
-    auto made = std::make_unique<const Instances>(hierarchy_, moved_ ? &*moved_ : nullptr);
+    auto made = std::make_unique<const Instances>(hierarchy_, moved.get());
     if (instances_.compare_exchange_strong(now, made.get(), std::memory_order_acq_rel))
       now = made.release();
   }
   now->begin();
+  std::shared_ptr<const MovedNodes> released;  // outside the lock: freeing it may take long
+  const std::lock_guard lock(moved_mutex_);
+  released.swap(moved_);
   return *now;
 }
 

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <optional>
+#include <mutex>
 #include <span>
 #include <utility>
 #include <vector>
@@ -21,17 +21,21 @@ namespace sightline::scenegraph::instances {
 /// opening and growing. Threads: all members, any; no thread waits for another.
 class SceneTree {
  public:
-  /// Nothing: the static tree.
-  SceneTree(hierarchy::Hierarchy hierarchy, std::optional<MovedNodes> moved)
-      : hierarchy_(std::move(hierarchy)), moved_(std::move(moved)) {}
+  explicit SceneTree(hierarchy::Hierarchy hierarchy)
+      : hierarchy_(std::move(hierarchy)), is_static_(true) {}
+  SceneTree(hierarchy::Hierarchy hierarchy, MovedNodes moved)
+      : hierarchy_(std::move(hierarchy)),
+        is_static_(false),
+        moved_(std::make_shared<const MovedNodes>(std::move(moved))) {}
   ~SceneTree();
   SceneTree(const SceneTree&) = delete;
   SceneTree& operator=(const SceneTree&) = delete;
 
   /// Of the revision that this tree was made for.
   const hierarchy::Hierarchy& hierarchy() const { return hierarchy_; }
-  /// What a dynamic tree holds.
-  const std::optional<MovedNodes>& moved() const { return moved_; }
+  bool is_static() const { return is_static_; }
+  /// What a dynamic tree will hold, until rays have opened it. Then null: the parts are let go.
+  std::shared_ptr<const MovedNodes> moved() const;
   /// Makes the instances at the first call. Throws std::bad_alloc.
   const Instances& instances() const;
   /// Null until instances() has been called.
@@ -39,7 +43,9 @@ class SceneTree {
 
  private:
   const hierarchy::Hierarchy hierarchy_;
-  const std::optional<MovedNodes> moved_;
+  const bool is_static_;
+  mutable std::mutex moved_mutex_;  // held for one copy
+  mutable std::shared_ptr<const MovedNodes> moved_;
   mutable std::atomic<const Instances*> instances_{nullptr};
 };
 

@@ -114,7 +114,7 @@ BuildSummary summarize_build(const Snapshot& snapshot) {
   for (const instances::Tier& tier : snapshot.shared_trees().tiers) {
     const instances::Instances* opened = tier.tree->instances_so_far();
     if (opened == nullptr) continue;
-    (tier.tree->moved() ? s.bytes_dynamic_tree : s.bytes_static_tree) +=
+    (tier.tree->is_static() ? s.bytes_static_tree : s.bytes_dynamic_tree) +=
         opened->tree().tree().bytes();
   }
   s.bytes_trees += s.bytes_static_tree + s.bytes_dynamic_tree;

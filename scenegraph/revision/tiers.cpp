@@ -118,30 +118,30 @@ model::ChildList list_of(const std::vector<model::NodeId>& ids) {
   return model::ChildList(std::span<const model::NodeId>(ids));
 }
 
-std::vector<model::NodeId> candidates_of(std::span<const Tier> tiers) {
-  std::vector<model::NodeId> all;
-  for (const Tier& tier : tiers) {
-    const auto more = instances::candidates_of(*tier.tree->moved(), tier.tree->hierarchy());
-    all.insert(all.end(), more.begin(), more.end());
+/// Adds what the tree holds. Of one that rays have not opened, there is nothing to be taken over.
+void take_over(const Tier& tier, MovedNodes& moved, std::vector<model::NodeId>& candidates) {
+  const auto unopened = tier.tree->moved();
+  if (unopened == nullptr) return moved.parts.push_back(tier.tree);
+  moved.parts.insert(moved.parts.end(), unopened->parts.begin(), unopened->parts.end());
+  if (unopened->candidates) {
+    candidates.insert(candidates.end(), unopened->candidates->begin(), unopened->candidates->end());
+  } else {
+    tier.tree->hierarchy().changed_at.for_each(
+        [&](model::NodeId id, std::uint64_t) { candidates.push_back(id); });
   }
-  return all;
 }
 
 /// Repeated and deleted candidates up to this number do not matter.
 constexpr std::uint64_t kFewCandidates = 256;
 
-/// The nodes of these trees and the changed ones. `members`: how many of these there still are.
-/// Drops repeated and deleted nodes when they are many.
-model::ChildList candidates(const hierarchy::Hierarchy& next, std::span<const Tier> tiers,
-                            const std::vector<model::NodeId>& changed, std::uint64_t members) {
-  std::vector<model::NodeId> all = candidates_of(tiers);
-  all.insert(all.end(), changed.begin(), changed.end());
-  if (all.size() > 2 * members + kFewCandidates) {
-    std::sort(all.begin(), all.end());
-    all.erase(std::unique(all.begin(), all.end()), all.end());
-    std::erase_if(all, [&](model::NodeId id) { return next.find(id) == nullptr; });
-  }
-  return list_of(all);
+/// `members`: how many of the candidates there still are. Drops repeated and deleted ones when they
+/// are many.
+void tidy(const hierarchy::Hierarchy& next, std::uint64_t members,
+          std::vector<model::NodeId>& candidates) {
+  if (candidates.size() <= 2 * members + kFewCandidates) return;
+  std::sort(candidates.begin(), candidates.end());
+  candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
+  std::erase_if(candidates, [&](model::NodeId id) { return next.find(id) == nullptr; });
 }
 
 std::uint64_t count_staying(std::span<const Tier> tiers) {
@@ -174,11 +174,12 @@ std::span<const Tier> find_tiers(const Snapshot& snapshot, const Snapshot& base,
 
 SceneTrees new_trees(const hierarchy::Hierarchy& hierarchy, std::uint64_t revision) {
   SceneTrees trees;
-  trees.tiers.push_back({.tree = std::make_shared<const SceneTree>(hierarchy, std::nullopt)});
+  trees.tiers.push_back({.tree = std::make_shared<const SceneTree>(hierarchy)});
   if (hierarchy.changed_at.size() == 0) return trees;
   // Changes of nodes that were restored are of revision 1, whatever the revision is.
   revision = std::max<std::uint64_t>(revision, 1);
-  trees.tiers.push_back({.tree = std::make_shared<const SceneTree>(hierarchy, MovedNodes{}),
+  MovedNodes moved{.static_tree = trees.static_tree()};
+  trees.tiers.push_back({.tree = std::make_shared<const SceneTree>(hierarchy, std::move(moved)),
                          .last = revision,
                          .nodes = hierarchy.changed_at.size()});
   return trees;
@@ -198,8 +199,12 @@ SceneTrees next_trees(const Snapshot& base, const hierarchy::Hierarchy& next,
   const std::span<const Tier> others = std::span<const Tier>(tiers).subspan(kept);
   Tier tier{.last = revision, .nodes = count_staying(others)};
   for (const model::NodeId id : change.changed) tier.nodes += next.find(id) != nullptr ? 1 : 0;
-  tier.tree = std::make_shared<const SceneTree>(
-      next, MovedNodes{tiers[kept - 1].last, candidates(next, others, change.changed, tier.nodes)});
+  MovedNodes moved{.after = tiers[kept - 1].last, .static_tree = trees.static_tree()};
+  std::vector<model::NodeId> candidates = change.changed;
+  for (const Tier& other : others) take_over(other, moved, candidates);
+  tidy(next, tier.nodes, candidates);
+  moved.candidates = list_of(candidates);
+  tier.tree = std::make_shared<const SceneTree>(next, std::move(moved));
   tiers.resize(kept);
   departures.finish(next);
   tiers.push_back(std::move(tier));
@@ -239,12 +244,14 @@ Tier merged(const Snapshot& base, TierRange range) {
   if (range.first == 0) {
     hierarchy::Hierarchy hierarchy = base.hierarchy();
     hierarchy.changed_at = changes_after(hierarchy.changed_at, tier.last);
-    tier.tree = std::make_shared<const SceneTree>(std::move(hierarchy), std::nullopt);
+    tier.tree = std::make_shared<const SceneTree>(std::move(hierarchy));
   } else {
     tier.nodes = count_staying(old);
-    tier.tree = std::make_shared<const SceneTree>(
-        old.back().tree->hierarchy(),
-        MovedNodes{all[range.first - 1].last, list_of(candidates_of(old))});
+    MovedNodes moved{.after = all[range.first - 1].last,
+                     .candidates = model::ChildList(),
+                     .static_tree = all.front().tree};
+    for (const Tier& part : old) moved.parts.push_back(part.tree);
+    tier.tree = std::make_shared<const SceneTree>(old.back().tree->hierarchy(), std::move(moved));
   }
   for (const Tier& part : old) {
     if (const instances::Instances* grown = part.tree->instances_so_far())
