@@ -11,6 +11,9 @@ using accel::kdtree::Reference;
 /// Groups that do not help culling are opened immediately until there are this many references.
 constexpr std::size_t kMaxImmediateRefs = kMaxUnclustered;
 
+/// What growing a tree costs for each member, in tests of members by rays that search them.
+constexpr std::uint64_t kGrowCost = 100;
+
 }  // namespace
 
 Instances::Instances(const hierarchy::Hierarchy& hierarchy, const MovedNodes* moved)
@@ -24,7 +27,9 @@ Instances::~Instances() { delete roots_.load(std::memory_order_acquire); }
 void Instances::begin() const {
   if (begun()) return;
   auto made = std::make_unique<Roots>();
-  append(opened(*root_group_), 0, made->coarsest);
+  const Opened& roots = opened(*root_group_);
+  made->in_clusters = !roots.siblings[0].clusters.empty();
+  append(roots, 0, made->coarsest);
   accel::geometry::Aabb bounds;
   for (const Reference& ref : made->coarsest) bounds.grow(ref.bounds());
   accel::lazy::ReferenceSource source = accel::lazy::source_of(made->coarsest);
@@ -45,6 +50,20 @@ void Instances::open(const Reference& ref, std::vector<Reference>& out) const {
   } else {
     append(opened(group(number)), out.size(), out);
   }
+}
+
+bool Instances::is_open(const Reference& ref) const {
+  const std::uint32_t number = ref.id & ~accel::kdtree::kOpenable;
+  if ((number & kCluster) != 0) return true;
+  const Opened* now = group(number).opened.load(std::memory_order_acquire);
+  return now != nullptr && now->listed.load(std::memory_order_acquire);
+}
+
+bool Instances::is_searched() const {
+  const Roots& roots = opened_roots();
+  return !view_.is_static() && roots.in_clusters &&
+         searched_.load(std::memory_order_relaxed) < kGrowCost * opened_members() &&
+         accel::kdtree::load(roots.tree->root()).is_deferred();
 }
 
 /// Finds a group by its number. All groups above a referenced group have been opened.

@@ -45,6 +45,16 @@ class Instances {
   /// Appends the members of an openable reference: the same at every call, from any thread.
   /// Throws std::bad_alloc.
   void open(const accel::kdtree::Reference& ref, std::vector<accel::kdtree::Reference>& out) const;
+  /// Whether open() need not make the members of an openable reference.
+  bool is_open(const accel::kdtree::Reference& ref) const;
+
+  /// Whether rays search the members, from the coarsest on, instead of walking the tree: those of a
+  /// dynamic tree with clusters, while that has cost less than growing the tree.
+  bool is_searched() const;
+  /// Rays have tested this number of members in searches.
+  void count_searched(std::uint64_t tests) const {
+    searched_.fetch_add(tests, std::memory_order_relaxed);
+  }
 
   /// Of a dynamic tree: calls visit(id, node, instance) for each of its roots. `instance` is null
   /// if the root is not a single instance.
@@ -68,6 +78,7 @@ class Instances {
   struct Roots {
     std::vector<accel::kdtree::Reference> coarsest;
     std::unique_ptr<accel::lazy::LazyTree> tree;
+    bool in_clusters = false;
   };
 
   const Roots& opened_roots() const { return *roots_.load(std::memory_order_acquire); }
@@ -83,7 +94,7 @@ class Instances {
   LazyArray<std::atomic<const Instance*>> instances_;
   std::unique_ptr<Group> root_group_;
   mutable std::atomic<const Roots*> roots_{nullptr};
-  mutable std::atomic<std::uint64_t> opened_members_{0};
+  mutable std::atomic<std::uint64_t> opened_members_{0}, searched_{0};
 };
 
 }  // namespace sightline::scenegraph::instances

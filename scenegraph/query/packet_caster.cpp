@@ -112,6 +112,7 @@ void PacketCaster::walk_tree(const instances::OpenTree& tree, accel::kdtree::Bui
   alone_ |= lanes & ~in_range;
   const accel::wide::Prepared prepared = accel::wide::prepare(scene_, *kd.frame(), in_range);
   alone_ |= prepared.slow;
+  if (tree.instances.is_searched()) return slots.search_all(prepared.live);
   accel::wide::WalkTotals totals;
   const accel::wide::Child entry = kd.entry();
   lazy_.searches_list = entry.is_node();  // no renewing of the pin while the walk is in these nodes

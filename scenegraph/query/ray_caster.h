@@ -144,17 +144,25 @@ class RayCaster::InstanceTest {
     while (!pending.empty()) {
       const accel::kdtree::Reference next = pending.back();
       pending.pop_back();
+      ++tests;
       if (!next.openable()) {
         if (instance(next.id)) return true;
       } else if (accel::kdtree::may_meet(tree_.ray, next.bounds(), limit())) {
         if (caster_.query_.is_cancelled()) return true;
-        tree_.instances->open(next, pending);
+        if (caster_.query_.on_deferred == accel::lazy::OnDeferred::kSkip &&
+            !tree_.instances->is_open(next)) {
+          caster_.query_.saw_deferred = true;
+        } else {
+          tree_.instances->open(next, pending);
+        }
       }
     }
     return false;
   }
 
   bool everything() { return references(tree_.instances->coarsest()); }
+
+  std::uint64_t tests = 0;  ///< Of members of references.
 
  private:
   /// Whether an instance is entered depends only on the ray and the instance's box, not on the cell
@@ -178,6 +186,11 @@ class RayCaster::InstanceTest {
 template <class Enter>
 void RayCaster::walk_instances(TreeEntry& tree, const Enter& enter) {
   InstanceTest<Enter> test(*this, tree, enter);
+  if (tree.instances->is_searched()) {
+    test.everything();
+    walked_.steps += test.tests;
+    return tree.instances->count_searched(test.tests);
+  }
   walk_lazily(tree.instances->tree(), tree.ray, query_, walked_, *tree.built, test);
 }
 

@@ -41,6 +41,13 @@ class PacketCaster::SceneSlots final : public accel::wide::SlotVisitor {
     return false;
   }
 
+  /// Instead of a walk: see instances::Instances::is_searched.
+  void search_all(std::uint32_t lanes) {
+    visit_references(tree_.coarsest(), lanes);
+    caster_.walked_.steps += tests_;
+    tree_.count_searched(tests_);
+  }
+
   /// For a tree of one instance: its box need not be tested, as its mesh's will be.
   void visit_only(std::uint32_t id, std::uint32_t lanes) {
     const instances::Instance& instance = tree_[id];
@@ -89,16 +96,20 @@ class PacketCaster::SceneSlots final : public accel::wide::SlotVisitor {
   }
 
   void search(const accel::kdtree::DeferredCell& cell, std::uint32_t lanes) {
-    const auto visit_all = [&](std::span<const accel::kdtree::Reference> refs) {
-      return std::any_of(refs.begin(), refs.end(), [&](const accel::kdtree::Reference& ref) {
-        return !visit_reference(ref, lanes);
-      });
-    };
     if (cell.has_list) {
-      cell.list.any_part(visit_all);
+      cell.list.any_part([&](std::span<const accel::kdtree::Reference> refs) {
+        return visit_references(refs, lanes);
+      });
     } else {
-      visit_all(tree_.coarsest());
+      visit_references(tree_.coarsest(), lanes);
     }
+  }
+
+  /// True: nothing is left to do.
+  bool visit_references(std::span<const accel::kdtree::Reference> refs, std::uint32_t lanes) {
+    return std::any_of(refs.begin(), refs.end(), [&](const accel::kdtree::Reference& ref) {
+      return !visit_reference(ref, lanes);
+    });
   }
 
   /// Opens groups whose boxes a ray may meet. False: nothing is left to do.
@@ -108,13 +119,18 @@ class PacketCaster::SceneSlots final : public accel::wide::SlotVisitor {
     while (!pending.empty()) {
       const accel::kdtree::Reference next = pending.back();
       pending.pop_back();
+      ++tests_;
       lanes = caster_.left_to_cast(lanes);
       if (caster_.lazy_.is_cancelled()) caster_.scene_.stopped = true;
       if (lanes == 0 || caster_.scene_.stopped) return false;
       if (!next.openable()) {
         visit_instance(next.id, lanes);
-      } else if (meeting(next.bounds(), lanes) != 0) {
-        tree_.open(next, pending);
+      } else if (const std::uint32_t met = meeting(next.bounds(), lanes); met != 0) {
+        if (caster_.lazy_.on_deferred == accel::lazy::OnDeferred::kSkip && !tree_.is_open(next)) {
+          caster_.saw_deferred_ |= met;
+        } else {
+          tree_.open(next, pending);
+        }
       }
     }
     return true;
@@ -180,6 +196,7 @@ class PacketCaster::SceneSlots final : public accel::wide::SlotVisitor {
   const instances::RemovedFilter* removed_;
   accel::kdtree::BuildCounters& built_;
   RecentLanes recent_;
+  std::uint64_t tests_ = 0;  // of references
 };
 
 }  // namespace sightline::scenegraph::query
