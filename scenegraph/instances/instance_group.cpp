@@ -146,6 +146,7 @@ class SliceBuilder {
     Instance& instance = slice_->instances.emplace_back();
     instance.index = static_cast<std::uint32_t>(next_.instances);
     instance.node = node.id;
+    instance.parent = node.parent;
     instance.mesh = node.mesh.get();
     instance.entered = node.entered.get();
     const std::optional<model::Affine> local_from_world = inverse(world);

@@ -20,6 +20,7 @@ struct Instance {
   bool mirrored = false;      ///< The transform reverses windings.
   accel::geometry::Aabb box;  ///< World, less Instances::center(), rounded outward.
   model::NodeId node = 0;
+  model::NodeId parent = 0;
   std::uint32_t mask = accel::geometry::kAllMasks;
   std::uint32_t index = 0;  ///< Among Instances.
   const model::Mesh* mesh = nullptr;

@@ -43,10 +43,12 @@ RemovedFilter::RemovedFilter(std::shared_ptr<const SceneTree> tree, std::uint64_
       removed_(tree_->instances().size()) {}
 
 bool RemovedFilter::decide(std::size_t index) const {
-  return any_upward(tree_->hierarchy(), tree_->instances()[index].node, [&](model::NodeId id) {
+  const Instance& instance = tree_->instances()[index];
+  const auto changed = [&](model::NodeId id) {
     const std::uint64_t* at = changed_at_.find(id);
     return at != nullptr && *at > last_;
-  });
+  };
+  return changed(instance.node) || any_upward(tree_->hierarchy(), instance.parent, changed);
 }
 
 bool SceneTrees::are_opened() const {
