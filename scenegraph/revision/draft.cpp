@@ -10,10 +10,12 @@ Error error(Code code, std::string reason, std::string message) {
   return {code, std::move(message), std::move(reason)};
 }
 
-Status check_matrix(const model::Affine& matrix, const std::string& whose) {
+/// `whose`: returns the name for the message.
+template <class Whose>
+Status check_matrix(const model::Affine& matrix, const Whose& whose) {
   if (inverse(matrix)) return {};
   return error(Code::kInvalidArgument, "SINGULAR_TRANSFORM",
-               "the transform of " + whose +
+               "the transform of " + whose() +
                    " is not finite, singular, or has a condition number above 1e12");
 }
 
@@ -53,7 +55,8 @@ Status Draft::put(const model::PutNode& put) {
                  "a node's name has " + std::to_string(put.name.size()) + " bytes, the limit is " +
                      std::to_string(model::kMaxNodeName));
   }
-  if (Status s = check_matrix(put.parent_from_local, "node \"" + put.name + "\""); !s) return s;
+  const auto named = [&] { return "node \"" + put.name + "\""; };
+  if (Status s = check_matrix(put.parent_from_local, named); !s) return s;
   model::NodeId parent = 0;
   if (put.parent != 0) {
     const Result<model::NodeId> found = resolve(put.parent);
@@ -109,8 +112,10 @@ Status Draft::set_transforms(const model::SetTransforms& set) {
     if (Status wanted = check_cancelled(); !wanted) return wanted;
     const Result<model::NodeId> id = resolve(set.nodes[i]);
     if (!id) return id.error();
-    if (Status s = check_matrix(set.parent_from_local[i], described(*find(*id))); !s) return s;
-    edit(*id).parent_from_local = set.parent_from_local[i];
+    model::Node& node = edit(*id);
+    node.parent_from_local = set.parent_from_local[i];
+    if (Status s = check_matrix(node.parent_from_local, [&] { return described(node); }); !s)
+      return s;
     moved_.insert(*id);
   }
   return {};
@@ -279,7 +284,8 @@ Status Draft::check_transforms() const {
 Status Draft::check_below(const model::Node& node, const model::Affine& world) const {
   if (Status wanted = check_cancelled(); !wanted) return wanted;
   if (node.mesh != nullptr) {
-    if (Status s = check_matrix(world, described(node) + ", with those above it,"); !s) return s;
+    const auto with_those_above = [&] { return described(node) + ", with those above it,"; };
+    if (Status s = check_matrix(world, with_those_above); !s) return s;
   }
   if (node.children.empty() || surely_invertible(world, hierarchy_.group(node.id))) return {};
   for (const model::NodeId child : node.children) {
