@@ -57,12 +57,13 @@ class Instances {
   }
 
   /// Of a dynamic tree: calls visit(id, node, instance) for each of its roots. `instance` is null
-  /// if the root is not a single instance.
+  /// unless the root is an instance without children.
   template <class Visit>
   void for_each_root(const Visit& visit) const {
     std::size_t index = 0;
     for (const Member& root : view_.moved()) {
-      visit(root.node->id, root.node, root.group == nullptr ? &(*this)[index] : nullptr);
+      const Instance* instance = root.is_leaf ? &(*this)[index] : nullptr;
+      visit(instance == nullptr ? root.node->id : instance->node, root.node, instance);
       index += root.group == nullptr ? 1 : root.group->instances;
     }
     for (const model::NodeId id : view_.moved_without_instances()) visit(id, nullptr, nullptr);

@@ -2,6 +2,7 @@
 #include "scenegraph/instances/mobility_view.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <span>
 #include <utility>
@@ -18,22 +19,21 @@ std::size_t depth(const hierarchy::Hierarchy& hierarchy, model::NodeId id) {
   return depth;
 }
 
-/// A node that may be a root of a dynamic side, and what older trees know of it.
+/// A node that may be a root of a dynamic side, and what an older tree has of it.
 struct Candidate {
   model::NodeId id = 0;
-  const model::Node* node = nullptr;
+  const model::Node* node = nullptr;  // at first the older tree's
   const Instance* known = nullptr;
 };
 
-/// Appends the roots of an older tree. Its instances are those of this one if their nodes are the
-/// same, and the trees' centers.
-void add_part(const SceneTree& part, const hierarchy::Hierarchy& hierarchy,
-              const accel::geometry::Vec3d& center, std::vector<Candidate>& candidates) {
+/// Appends the roots of an older tree. Its instances have the boxes of this one if the centers are
+/// the same.
+void add_part(const SceneTree& part, const accel::geometry::Vec3d& center,
+              std::vector<Candidate>& candidates) {
   const Instances& instances = part.instances();
   const bool same_center = instances.center() == center;
-  instances.for_each_root([&](model::NodeId id, const model::Node* node, const Instance* known) {
-    const bool same = known != nullptr && same_center && hierarchy.find(id) == node;
-    candidates.push_back({id, nullptr, same ? known : nullptr});
+  instances.for_each_root([&](model::NodeId id, const model::Node* node, const Instance* instance) {
+    candidates.push_back({id, node, same_center ? instance : nullptr});
   });
 }
 
@@ -47,24 +47,71 @@ void add_changed(const std::optional<model::ChildList>& some, const hierarchy::H
   }
 }
 
-/// Of these nodes, those that are there, have changed after this revision, and have no such node
-/// above them; ascending, each once.
+/// Gives the candidates their nodes in this hierarchy. An older tree's instance is that of the same
+/// node: what changes a node makes another. Lookups of many nodes overlap.
+void find_nodes(const hierarchy::Hierarchy& hierarchy, std::span<Candidate> candidates) {
+  constexpr std::size_t kTogether = 32;
+  std::array<model::NodeId, kTogether> ids;
+  std::array<const std::shared_ptr<const model::Node>*, kTogether> nodes;
+  while (!candidates.empty()) {
+    const auto part = candidates.first(std::min(candidates.size(), kTogether));
+    std::ranges::transform(part, ids.begin(), &Candidate::id);
+    hierarchy.nodes.find_all(std::span(ids).first(part.size()),
+                             std::span(nodes).first(part.size()));
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      const model::Node* node = nodes[i] == nullptr ? nullptr : nodes[i]->get();
+      if (part[i].node != node) part[i].known = nullptr;
+      part[i].node = node;
+      if (part[i].known == nullptr) __builtin_prefetch(node);
+    }
+    candidates = candidates.subspan(part.size());
+  }
+}
+
+/// Whether nodes, or those above them, have changed after a revision.
+class ChangedAfter {
+ public:
+  ChangedAfter(const hierarchy::Hierarchy& hierarchy, std::uint64_t after)
+      : hierarchy_(hierarchy), after_(after) {}
+
+  bool at(model::NodeId id) const {
+    const std::uint64_t* at = hierarchy_.changed_at.find(id);
+    return at != nullptr && *at > after_;
+  }
+  /// Remembers the last answer, for siblings.
+  bool at_or_above(model::NodeId id) {
+    if (id != last_) {
+      is_changed_ = any_upward(hierarchy_, id, [this](model::NodeId above) { return at(above); });
+      last_ = id;
+    }
+    return is_changed_;
+  }
+
+ private:
+  const hierarchy::Hierarchy& hierarchy_;
+  const std::uint64_t after_;
+  model::NodeId last_ = 0;
+  bool is_changed_ = false;
+};
+
+/// Keeps those of the candidates that are there, have changed after this revision, and have no such
+/// node above them; ascending, each once.
 void keep_topmost(const hierarchy::Hierarchy& hierarchy, std::uint64_t after,
                   std::vector<Candidate>& candidates) {
-  const auto changed = [&](model::NodeId id) {
-    const std::uint64_t* at = hierarchy.changed_at.find(id);
-    return at != nullptr && *at > after;
-  };
-  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
-    return std::pair(a.id, a.known == nullptr) < std::pair(b.id, b.known == nullptr);
-  });
-  const auto same = [](const Candidate& a, const Candidate& b) { return a.id == b.id; };
-  candidates.erase(std::unique(candidates.begin(), candidates.end(), same), candidates.end());
-  std::erase_if(candidates, [&](Candidate& candidate) {
-    candidate.node = hierarchy.find(candidate.id);
-    return candidate.node == nullptr || !changed(candidate.id) ||
-           any_upward(hierarchy, candidate.node->parent, changed);
-  });
+  std::ranges::sort(candidates, {}, &Candidate::id);
+  find_nodes(hierarchy, candidates);
+  ChangedAfter changed(hierarchy, after);
+  std::size_t kept = 0;
+  for (const Candidate& candidate : candidates) {
+    const auto& [id, node, known] = candidate;
+    if (kept > 0 && candidates[kept - 1].id == id) {
+      if (known != nullptr) candidates[kept - 1].known = known;
+    } else if (node != nullptr && (known != nullptr || changed.at(id)) &&
+               !changed.at_or_above(known != nullptr ? known->parent : node->parent)) {
+      candidates[kept++] = candidate;
+    }
+  }
+  candidates.resize(kept);
 }
 
 /// The origin for an empty or infinite box.
@@ -108,21 +155,21 @@ MobilityView::MobilityView(const hierarchy::Hierarchy& hierarchy, const MovedNod
 void MobilityView::find_moved(const MovedNodes& moved) {
   center_ = moved.static_tree->instances().center();
   std::vector<Candidate> roots;
-  for (const auto& part : moved.parts) add_part(*part, hierarchy_, center_, roots);
+  for (const auto& part : moved.parts) add_part(*part, center_, roots);
   add_changed(moved.candidates, hierarchy_, roots);
   keep_topmost(hierarchy_, moved.after, roots);
   moved_.reserve(roots.size());
   for (const auto& [id, node, known] : roots) {
-    const std::shared_ptr<const hierarchy::NodeSummary>* below =
-        node->children.empty() ? nullptr : hierarchy_.summaries.find(id);
-    if (below != nullptr && is_group(*node, **below)) {
-      moved_.push_back({node, below->get()});
-      all_.instances += (*below)->instances;
-      all_.entry_cost += (*below)->entry_cost;
-    } else if (hierarchy::is_instance(*node)) {
-      moved_.push_back({node, nullptr, known});
+    const hierarchy::NodeSummary* below =
+        known != nullptr || node->children.empty() ? nullptr : &hierarchy_.group(id);
+    if (below != nullptr && is_group(*node, *below)) {
+      moved_.push_back({.node = node, .group = below});
+      all_.instances += below->instances;
+      all_.entry_cost += below->entry_cost;
+    } else if (known != nullptr || hierarchy::is_instance(*node)) {
+      moved_.push_back({.node = node, .is_leaf = below == nullptr, .known = known});
       ++all_.instances;
-      all_.entry_cost += hierarchy::entry_cost(*node->mesh);
+      all_.entry_cost += hierarchy::entry_cost(known != nullptr ? *known->mesh : *node->mesh);
     } else {
       without_instances_.push_back(id);
     }

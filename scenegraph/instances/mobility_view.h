@@ -32,6 +32,7 @@ struct MovedNodes {
 struct Member {
   const model::Node* node = nullptr;
   const hierarchy::NodeSummary* group = nullptr;  ///< Null: an instance and nothing else.
+  bool is_leaf = false;                           ///< Of a root of a dynamic side: no children.
   /// The same instance in another tree with the same center. Null: it must be made.
   const Instance* known = nullptr;
 };
