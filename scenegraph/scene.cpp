@@ -131,7 +131,7 @@ void Scene::merge(std::mutex& merging, std::uint64_t& up_to, const Due& due) {
   {
     const std::lock_guard writer(writer_);
     base = snapshot();
-    if (!base->shared_trees().are_opened()) return;
+    if (base->shared_trees().static_tree()->instances_so_far() == nullptr) return;
     range = due(*base);
     if (!range || !has_tiers(*newest().snapshot, *base, *range)) return;
     up_to = base->shared_trees().tiers[range->end - 1].last;

@@ -22,7 +22,7 @@ struct MovedNodes {
   /// Has each of these nodes that is in none of the parts. May repeat some, and may have others.
   /// Nothing: all that have changed.
   std::optional<model::ChildList> candidates = std::nullopt;
-  /// Trees that rays have opened: what has not left them is taken over as it is.
+  /// Trees that rays have asked for: what has not left them is taken over as it is.
   std::vector<std::shared_ptr<const SceneTree>> parts = {};
   /// Coordinates are relative to its centre.
   std::shared_ptr<const SceneTree> static_tree = nullptr;

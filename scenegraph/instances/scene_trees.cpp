@@ -16,7 +16,8 @@ std::shared_ptr<const MovedNodes> SceneTree::moved() const {
 /// until it is done.
 const Instances& SceneTree::instances() const {
   if (const Instances* opened = instances_so_far()) return *opened;
-  std::shared_ptr<const MovedNodes> moved = this->moved();
+  wanted_.store(true, std::memory_order_relaxed);
+  const std::shared_ptr<const MovedNodes> moved = this->moved();
   const Instances* now = instances_.load(std::memory_order_acquire);
   if (now == nullptr) {
     auto made = std::make_unique<const Instances>(hierarchy_, moved.get());

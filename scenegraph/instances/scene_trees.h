@@ -34,6 +34,8 @@ class SceneTree {
   /// Of the revision that this tree was made for.
   const hierarchy::Hierarchy& hierarchy() const { return hierarchy_; }
   bool is_static() const { return is_static_; }
+  /// Rays have asked for the instances: some thread has made them, or does so.
+  bool is_wanted() const { return wanted_.load(std::memory_order_relaxed); }
   /// What a dynamic tree will hold, until rays have opened it. Then null: the parts are let go.
   std::shared_ptr<const MovedNodes> moved() const;
   /// Makes the instances at the first call. Throws std::bad_alloc.
@@ -44,6 +46,7 @@ class SceneTree {
  private:
   const hierarchy::Hierarchy hierarchy_;
   const bool is_static_;
+  mutable std::atomic<bool> wanted_{false};
   mutable std::mutex moved_mutex_;  // held for one copy
   mutable std::shared_ptr<const MovedNodes> moved_;
   mutable std::atomic<const Instances*> instances_{nullptr};

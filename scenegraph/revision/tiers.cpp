@@ -19,10 +19,11 @@ using instances::SceneTrees;
 using instances::Tier;
 
 /// What opening again the tree's nodes that are left would cost: the share of them in what rays
-/// have opened. Nothing, if rays have not opened the tree.
+/// have opened, or all while rays do that. Nothing, if no ray has asked for the tree.
 std::uint64_t cost_to_open(const Tier& tier) {
   const instances::Instances* opened = tier.tree->instances_so_far();
-  if (opened == nullptr || tier.nodes == 0) return 0;
+  if (opened == nullptr) return tier.tree->is_wanted() ? tier.staying() : 0;
+  if (tier.nodes == 0) return 0;
   const double share = static_cast<double>(tier.staying()) / static_cast<double>(tier.nodes);
   return static_cast<std::uint64_t>(static_cast<double>(opened->opened_members()) * share);
 }
@@ -118,10 +119,12 @@ model::ChildList list_of(const std::vector<model::NodeId>& ids) {
   return model::ChildList(std::span<const model::NodeId>(ids));
 }
 
-/// Adds what the tree holds. Of one that rays have not opened, there is nothing to be taken over.
+/// Adds what the tree holds. Of one that no ray has asked for, there is nothing to be taken over.
+/// One that is just being opened is: else, where that takes longer than to the next revision, each
+/// tree would begin with nothing.
 void take_over(const Tier& tier, MovedNodes& moved, std::vector<model::NodeId>& candidates) {
   const auto unopened = tier.tree->moved();
-  if (unopened == nullptr) return moved.parts.push_back(tier.tree);
+  if (unopened == nullptr || tier.tree->is_wanted()) return moved.parts.push_back(tier.tree);
   moved.parts.insert(moved.parts.end(), unopened->parts.begin(), unopened->parts.end());
   if (unopened->candidates) {
     candidates.insert(candidates.end(), unopened->candidates->begin(), unopened->candidates->end());
