@@ -120,9 +120,12 @@ class SliceBuilder {
       add_instance(*group_.node, group_.world_from_local);
       ++next_.instances;
     }
-    for (const Member& member : members) {
-      add_member(member);
-      reserve_numbers(member, next_);
+    constexpr std::size_t kAhead = 8;
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      if (i + kAhead < members.size() && members[i + kAhead].known == nullptr)
+        prefetch(members[i + kAhead].node);
+      add_member(members[i]);
+      reserve_numbers(members[i], next_);
     }
     return std::move(slice_);
   }
@@ -133,13 +136,23 @@ class SliceBuilder {
       return refer_to(slice_->instances.emplace_back(*member.known));
     const model::Node& node = *member.node;
     const model::Affine world = group_.node == nullptr
-                                    ? world_from_local(view_.hierarchy(), node)
+                                    ? world_of_root(node)
                                     : compose(group_.world_from_local, node.parent_from_local);
     if (member.group == nullptr) {
       add_instance(node, world);
     } else {
       add_group(node, world, *member.group);
     }
+  }
+
+  /// Remembers the transform of the last parent, for siblings.
+  model::Affine world_of_root(const model::Node& node) {
+    if (node.parent == 0) return node.parent_from_local;
+    if (node.parent != parent_) {
+      parent_ = node.parent;
+      parent_world_ = world_from_local(view_.hierarchy(), *view_.hierarchy().find(parent_));
+    }
+    return compose(parent_world_, node.parent_from_local);
   }
 
   void add_instance(const model::Node& node, const model::Affine& world) {
@@ -188,6 +201,8 @@ class SliceBuilder {
   const Group& group_;
   const unsigned shift_;
   Opened::Numbers next_;
+  model::NodeId parent_ = 0;
+  model::Affine parent_world_;
   std::size_t groups_ = 0;
   std::unique_ptr<OpenedSlice> slice_ = std::make_unique<OpenedSlice>();
 };
