@@ -67,7 +67,7 @@ class PersistentMap {
       const bool after = !(value == T{});
       if (!before && !after) return;
       while ((key >> kBits * (map_.height_ + 1)) != 0) map_.raise(stamp_);
-      change(map_.root_, map_.height_, key, std::move(value));
+      change(map_.root_, map_.height_, key, std::move(value), !after);
       if (map_.root_ == nullptr) map_.height_ = 0;
       map_.size_ += (after ? 1u : 0u);
       map_.size_ -= (before ? 1u : 0u);
@@ -89,15 +89,16 @@ class PersistentMap {
 
     /// A block that holds nothing any more is dropped: else a map whose keys are counted up, and
     /// removed, would grow for ever.
-    void change(Block& block, unsigned height, std::uint64_t key, T&& value) const {
+    void change(Block& block, unsigned height, std::uint64_t key, T&& value, bool removes) const {
       if (height == 0) {
         auto& values = own<Leaf>(block).value;
         values[digit(key, 0)] = std::move(value);
-        if (std::ranges::all_of(values, [](const T& v) { return v == T{}; })) block.reset();
+        if (removes && std::ranges::all_of(values, [](const T& v) { return v == T{}; }))
+          block.reset();
       } else {
         auto& children = own<Inner>(block).child;
         Block& child = children[digit(key, height)];
-        change(child, height - 1, key, std::move(value));
+        change(child, height - 1, key, std::move(value), removes);
         if (child == nullptr &&
             std::ranges::all_of(children, [](const Block& b) { return b == nullptr; }))
           block.reset();
