@@ -35,7 +35,7 @@ std::vector<Ray> some_rays(tests::Random& random, int nodes, int count) {
   return rays;
 }
 
-/// What rays touch in dynamic trees, after so many revisions, in one.
+/// What rays touch in dynamic trees, in one revision, on average.
 std::uint64_t touches_of_a_revision(int nodes, int revisions) {
   Scene scene;
   add_row(scene, nodes);
