@@ -4,6 +4,16 @@
 #include <algorithm>
 
 namespace sightline::scenegraph::instances {
+namespace {
+
+/// At least the tree's number of instances. A writer asks, and does not wait for rays that are
+/// opening the tree.
+std::size_t most_instances(const SceneTree& tree) {
+  const Instances* opened = tree.instances_so_far();
+  return opened != nullptr ? opened->size() : tree.hierarchy().summary(0).instances;
+}
+
+}  // namespace
 
 SceneTree::~SceneTree() { delete instances_.load(std::memory_order_acquire); }
 
@@ -41,7 +51,7 @@ RemovedFilter::RemovedFilter(std::shared_ptr<const SceneTree> tree, std::uint64_
     : tree_(std::move(tree)),
       last_(last),
       changed_at_(std::move(changed_at)),
-      removed_(tree_->instances().size()) {}
+      removed_(most_instances(*tree_)) {}
 
 bool RemovedFilter::decide(std::size_t index) const {
   const Instance& instance = tree_->instances()[index];

@@ -56,7 +56,7 @@ class SceneTree {
 /// The tree still holds them; rays skip them. Threads: any.
 class RemovedFilter {
  public:
-  /// `last`: as of Tier; `changed_at`: of the revision whose rays ask. Rays have opened the tree.
+  /// `last`: as of Tier; `changed_at`: of the revision whose rays ask. Opens nothing.
   RemovedFilter(std::shared_ptr<const SceneTree> tree, std::uint64_t last,
                 hierarchy::ChangeMap changed_at);
 
