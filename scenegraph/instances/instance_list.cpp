@@ -52,6 +52,11 @@ void Instances::open(const Reference& ref, std::vector<Reference>& out) const {
   }
 }
 
+std::span<const Reference> Instances::members_of_cluster(const Reference& ref) const {
+  const std::uint32_t number = ref.id & ~accel::kdtree::kOpenable;
+  return ref.openable() && (number & kCluster) != 0 ? cluster(number & ~kCluster) : Cluster{};
+}
+
 bool Instances::is_open(const Reference& ref) const {
   const std::uint32_t number = ref.id & ~accel::kdtree::kOpenable;
   if ((number & kCluster) != 0) return true;

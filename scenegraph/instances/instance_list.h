@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "accel/lazy/lazy_tree.h"
@@ -45,6 +46,9 @@ class Instances {
   /// Appends the members of an openable reference: the same at every call, from any thread.
   /// Throws std::bad_alloc.
   void open(const accel::kdtree::Reference& ref, std::vector<accel::kdtree::Reference>& out) const;
+  /// The members of a cluster, where they are; none of other references.
+  std::span<const accel::kdtree::Reference> members_of_cluster(
+      const accel::kdtree::Reference& ref) const;
   /// Whether open() need not make the members of an openable reference.
   bool is_open(const accel::kdtree::Reference& ref) const;
 

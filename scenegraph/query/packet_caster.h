@@ -112,7 +112,6 @@ class PacketCaster {
   const model::Affine* frame_ = nullptr;  // of the instance that was entered last
   std::uint32_t in_frame_ = 0;            // the rays that are in range there
   accel::lazy::LazyQuery lazy_;
-  std::vector<accel::kdtree::Reference> pending_;  // of a searched list, not yet visited
 };
 
 }  // namespace sightline::scenegraph::query

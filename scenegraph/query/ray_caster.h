@@ -104,7 +104,6 @@ class RayCaster {
   accel::kdtree::WalkCounters walked_;
   // Memory that is used again for each ray.
   Collected collected_;
-  std::vector<accel::kdtree::Reference> pending_;  // references of a searched list not yet visited
   // The current ray.
   const accel::geometry::Ray* ray_ = nullptr;
   bool valid_ = false;
@@ -138,26 +137,20 @@ class RayCaster::InstanceTest {
 
   /// Opens groups whose boxes the ray may meet.
   bool reference(const accel::kdtree::Reference& ref) {
+    ++tests;
+    if (!accel::kdtree::may_meet(tree_.ray, ref.bounds(), limit())) return false;
     if (!ref.openable()) return instance(ref.id);
-    std::vector<accel::kdtree::Reference>& pending = caster_.pending_;
-    pending.assign(1, ref);
-    while (!pending.empty()) {
-      const accel::kdtree::Reference next = pending.back();
-      pending.pop_back();
-      ++tests;
-      if (!next.openable()) {
-        if (instance(next.id)) return true;
-      } else if (accel::kdtree::may_meet(tree_.ray, next.bounds(), limit())) {
-        if (caster_.query_.is_cancelled()) return true;
-        if (caster_.query_.on_deferred == accel::lazy::OnDeferred::kSkip &&
-            !tree_.instances->is_open(next)) {
-          caster_.query_.saw_deferred = true;
-        } else {
-          tree_.instances->open(next, pending);
-        }
-      }
+    if (caster_.query_.is_cancelled()) return true;
+    const auto cluster = tree_.instances->members_of_cluster(ref);
+    if (!cluster.empty()) return references(cluster);
+    if (caster_.query_.on_deferred == accel::lazy::OnDeferred::kSkip &&
+        !tree_.instances->is_open(ref)) {
+      caster_.query_.saw_deferred = true;
+      return false;
     }
-    return false;
+    std::vector<accel::kdtree::Reference> members;
+    tree_.instances->open(ref, members);
+    return references(members);
   }
 
   bool everything() { return references(tree_.instances->coarsest()); }

@@ -105,35 +105,32 @@ class PacketCaster::SceneSlots final : public accel::wide::SlotVisitor {
     }
   }
 
-  /// True: nothing is left to do.
+  /// True: nothing is left to do for these rays.
   bool visit_references(std::span<const accel::kdtree::Reference> refs, std::uint32_t lanes) {
     return std::any_of(refs.begin(), refs.end(), [&](const accel::kdtree::Reference& ref) {
-      return !visit_reference(ref, lanes);
-    });
-  }
-
-  /// Opens groups whose boxes a ray may meet. False: nothing is left to do.
-  bool visit_reference(const accel::kdtree::Reference& ref, std::uint32_t lanes) {
-    std::vector<accel::kdtree::Reference>& pending = caster_.pending_;
-    pending.assign(1, ref);
-    while (!pending.empty()) {
-      const accel::kdtree::Reference next = pending.back();
-      pending.pop_back();
       ++tests_;
       lanes = caster_.left_to_cast(lanes);
       if (caster_.lazy_.is_cancelled()) caster_.scene_.stopped = true;
-      if (lanes == 0 || caster_.scene_.stopped) return false;
-      if (!next.openable()) {
-        visit_instance(next.id, lanes);
-      } else if (const std::uint32_t met = meeting(next.bounds(), lanes); met != 0) {
-        if (caster_.lazy_.on_deferred == accel::lazy::OnDeferred::kSkip && !tree_.is_open(next)) {
-          caster_.saw_deferred_ |= met;
-        } else {
-          tree_.open(next, pending);
-        }
-      }
+      if (lanes == 0 || caster_.scene_.stopped) return true;
+      const std::uint32_t met = meeting(ref.bounds(), lanes);
+      if (met != 0) visit_reference(ref, met);
+      return false;
+    });
+  }
+
+  /// For rays that may meet its box. Opens groups.
+  void visit_reference(const accel::kdtree::Reference& ref, std::uint32_t lanes) {
+    if (!ref.openable()) return visit_instance(ref.id, lanes);
+    const auto cluster = tree_.members_of_cluster(ref);
+    if (!cluster.empty()) {
+      visit_references(cluster, lanes);
+    } else if (caster_.lazy_.on_deferred == accel::lazy::OnDeferred::kSkip && !tree_.is_open(ref)) {
+      caster_.saw_deferred_ |= lanes;
+    } else {
+      std::vector<accel::kdtree::Reference> members;
+      tree_.open(ref, members);
+      visit_references(members, lanes);
     }
-    return true;
   }
 
   /// True: the slot has changed. False: these rays must be cast alone.
