@@ -14,7 +14,7 @@
 namespace sightline::accel::lazy {
 namespace {
 
-constexpr std::size_t kSampledReferences = 512;
+constexpr std::size_t kSampledReferences = 256;
 
 /// The references at a few indices of a cell's list; of the source, while there is no list.
 std::vector<kdtree::Reference> sample(const kdtree::DeferredCell& cell,
@@ -47,6 +47,23 @@ PartShares shares_of(std::span<const kdtree::Reference> refs, const geometry::Aa
     shares[part_of(center, box)] += ref.weight / all;
   }
   return shares;
+}
+
+/// The least share of them that a plane through the middle of their centers cuts, of the three
+/// axes.
+double share_cut(std::span<const kdtree::Reference> refs) {
+  double least = 1;
+  std::vector<float> centers(refs.size());
+  for (std::size_t a = 0; a < 3 && !refs.empty(); ++a) {
+    for (std::size_t i = 0; i < refs.size(); ++i) centers[i] = (refs[i].lo[a] + refs[i].hi[a]) / 2;
+    const auto middle = centers.begin() + static_cast<std::ptrdiff_t>(centers.size() / 2);
+    std::nth_element(centers.begin(), middle, centers.end());
+    const auto cut = std::count_if(refs.begin(), refs.end(), [&](const kdtree::Reference& ref) {
+      return ref.lo[a] < *middle && ref.hi[a] > *middle;
+    });
+    least = std::min(least, static_cast<double>(cut) / static_cast<double>(refs.size()));
+  }
+  return least;
 }
 
 /// Whether a large cell's triangles overlap so much that dividing it will not make lists shorter.
@@ -118,39 +135,68 @@ std::uint64_t LazyTree::cost_of_expanding(const kdtree::DeferredCell& cell) cons
   if (cell.evicted && !is_eager(cell)) return kPathCost * cell.size;
   if (is_eager(cell)) {
     const bool is_mesh = cell.size == primitive_count_ || cell.evicted;
-    return (is_mesh ? kRaysToFinishMesh : kRaysToFinish) * cell.size;
+    return is_mesh ? kBlocksCost * cell.size : kRaysToFinish * cost_of_search(cell.size);
   }
-  if (is_dense(cell, primitive_count_)) return kDenseCost * cell.size;
+  // Where the root is a tangle, rays have paid for it there.
+  if (tangle_.load(std::memory_order_relaxed) != Known::kYes && is_dense(cell, primitive_count_))
+    return kDenseCost * cell.size;
   const double share = static_cast<double>(cell.weight) / static_cast<double>(primitive_count_);
   return static_cast<std::uint64_t>(static_cast<double>(kPathCost * cell.size) * share * share *
                                     share);
 }
 
-bool LazyTree::searches(const kdtree::DeferredCell& cell, std::uint64_t rays, bool by_demand) {
+bool LazyTree::searches(const kdtree::DeferredCell& cell, std::uint64_t rays, bool by_demand,
+                        kdtree::BuildCounters& counters) {
   const bool has_capacity = may_grow(cell);
   if (has_capacity && !cell.evicted && (!by_demand || !is_over_faces())) return false;
-  return !is_worth_expanding(cell, rays) || !has_capacity;
+  const std::uint64_t now = rays * cost_of_search(cell.size);
+  const std::uint64_t spent = cell.spent.fetch_add(now, std::memory_order_relaxed) + now;
+  return !pays_for(cell, spent, counters) || !has_capacity;
 }
 
-bool LazyTree::is_worth_expanding(const kdtree::DeferredCell& cell, std::uint64_t rays) const {
-  const std::uint64_t now = rays * cell.size;
-  return cell.spent.fetch_add(now, std::memory_order_relaxed) + now >= cost_of_expanding(cell);
+bool LazyTree::pays(const kdtree::DeferredCell& cell, double rays,
+                    kdtree::BuildCounters& counters) const {
+  const double now = rays * static_cast<double>(cost_of_search(cell.size));
+  const std::uint64_t spent =
+      cell.spent.load(std::memory_order_relaxed) + static_cast<std::uint64_t>(now);
+  return may_grow(cell) && pays_for(cell, spent, counters);
+}
+
+/// A tangle is not divided before rays have paid for all of it: its lists take longer to search
+/// than the mesh.
+bool LazyTree::pays_for(const kdtree::DeferredCell& cell, std::uint64_t spent,
+                        kdtree::BuildCounters& counters) const {
+  if (spent < cost_of_expanding(cell)) return false;
+  return cell.has_list || is_eager(cell) || !is_tangle(cell, counters) ||
+         spent >= kDenseCost * cell.size;
+}
+
+bool LazyTree::is_tangle(const kdtree::DeferredCell& root, kdtree::BuildCounters& counters) const {
+  constexpr double kMostCut = 0.2;
+  Known known = tangle_.load(std::memory_order_relaxed);
+  if (known == Known::kNot) {
+    const bool openable = source_.coarsest(counters).openable;
+    const bool is_cut = !openable && share_cut(sample(root, source_, counters)) > kMostCut;
+    known = is_cut ? Known::kYes : Known::kNo;
+    tangle_.store(known, std::memory_order_relaxed);
+  }
+  return known == Known::kYes;
 }
 
 CellDecision LazyTree::decide(const kdtree::DeferredCell& cell,
-                              std::span<const CellPassage> passages, double rays_each,
+                              std::span<const geometry::LocalRay> waiting, double rays_each,
                               kdtree::BuildCounters& counters) const {
-  if (!may_grow(cell)) return CellDecision::kSearch;
-  const double rays = rays_each * static_cast<double>(passages.size());
-  const double spent = static_cast<double>(cell.spent.load(std::memory_order_relaxed)) +
-                       rays * static_cast<double>(cell.size);
-  if (spent < static_cast<double>(cost_of_expanding(cell))) return CellDecision::kSearch;
+  const double rays = rays_each * static_cast<double>(waiting.size());
+  if (!pays(cell, rays, counters)) return CellDecision::kSearch;
   if (cell.whole || is_eager(cell)) return CellDecision::kExpand;
+  std::vector<CellPassage> passages;
+  passages.reserve(waiting.size());
+  for (const geometry::LocalRay& ray : waiting) passages.push_back(passage(ray, cell.box));
   const auto shares = shares_of(sample(cell, source_, counters), cell.box);
   const double blocks = static_cast<double>(cell.weight) / static_cast<double>(grow::kBlockCell);
   const double share = share_reached(passages, rays_each, shares, blocks);
-  const bool pays = share >= kFinishShare && rays >= static_cast<double>(kFinishCost) * share;
-  return pays && may_build_ahead() ? CellDecision::kFinish : CellDecision::kExpand;
+  const bool most = share >= kFinishShare && rays >= static_cast<double>(kFinishCost) * share;
+  return most && may_build_ahead() ? CellDecision::kFinish : CellDecision::kExpand;
 }
 
 void LazyTree::count_rays(std::uint64_t rays) {

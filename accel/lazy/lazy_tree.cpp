@@ -12,6 +12,7 @@
 #include "accel/grow/grow.h"
 #include "accel/grow/reference_budget.h"
 #include "accel/kdtree/epoch.h"
+#include "accel/lazy/demand_costs.h"
 #include "accel/lazy/eviction.h"
 #include "accel/lazy/stall_detector.h"
 #include "accel/lazy/timed.h"
@@ -255,8 +256,9 @@ kdtree::Slot LazyTree::make_unkept(Division& division, const kdtree::DeferredCel
   if (!division.cells.empty()) {
     const kdtree::Slot finer = defer(std::move(division.cells[0]));
     // Rays that have searched the cell have searched the finer one.
-    const std::uint64_t rays = cell.spent.load(std::memory_order_relaxed) / cell.size;
-    if (finer.is_deferred()) finer.cell()->spent = rays * finer.cell()->size;
+    const std::uint64_t rays =
+        cell.spent.load(std::memory_order_relaxed) / cost_of_search(cell.size);
+    if (finer.is_deferred()) finer.cell()->spent = rays * cost_of_search(finer.cell()->size);
     return finer;
   }
   const kdtree::ReferenceList whole = cell.list.copy();

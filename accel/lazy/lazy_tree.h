@@ -68,12 +68,15 @@ class LazyTree {
   /// there is no room for more; or because that, with what was spent there before, costs less than
   /// expanding it. The costs count `by_demand` in trees over faces, and always where the cell was
   /// evicted.
-  bool searches(const kdtree::DeferredCell& cell, std::uint64_t rays, bool by_demand);
+  bool searches(const kdtree::DeferredCell& cell, std::uint64_t rays, bool by_demand,
+                kdtree::BuildCounters& counters);
 
   /// As above, for rays of a batch that wait at the cell, each of which stands for several. Spends
   /// nothing.
-  CellDecision decide(const kdtree::DeferredCell& cell, std::span<const CellPassage> passages,
+  CellDecision decide(const kdtree::DeferredCell& cell, std::span<const geometry::LocalRay> waiting,
                       double rays_each, kdtree::BuildCounters& counters) const;
+  /// Whether that is another than to search, for this number of rays.
+  bool pays(const kdtree::DeferredCell& cell, double rays, kdtree::BuildCounters& counters) const;
 
   /// Counts rays that walk the tree, while it is not complete.
   void count_rays(std::uint64_t rays);
@@ -135,7 +138,10 @@ class LazyTree {
   void divide_compact(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
                       kdtree::BuildCounters& counters);
   bool evicted_must_wait(std::uint64_t references) const;
-  bool is_worth_expanding(const kdtree::DeferredCell& cell, std::uint64_t rays) const;
+  bool pays_for(const kdtree::DeferredCell& cell, std::uint64_t spent,
+                kdtree::BuildCounters& counters) const;
+  /// Whether planes cut too many of the references for a division to make lists much shorter.
+  bool is_tangle(const kdtree::DeferredCell& root, kdtree::BuildCounters& counters) const;
   kdtree::ReferenceList whole_list(const kdtree::DeferredCell& cell, bool& openable,
                                    kdtree::BuildCounters& counters,
                                    const std::atomic<bool>* cancelled) const;
@@ -189,6 +195,8 @@ class LazyTree {
   bool makes_blocks_;
   std::atomic<std::uint64_t> steps_{0};  ///< Since the top was compiled.
   std::atomic<std::uint64_t> rays_{0};   ///< See count_rays().
+  enum class Known : std::uint8_t { kNot, kNo, kYes };
+  mutable std::atomic<Known> tangle_{Known::kNot};  ///< See is_tangle().
   std::atomic<bool> compiles_top_{false};
   std::atomic<bool> complete_{false};
   std::atomic<std::uint64_t> evicted_{0};  ///< Pieces, so far.

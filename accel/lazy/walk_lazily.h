@@ -29,8 +29,7 @@ class WaitingRays {
  public:
   virtual ~WaitingRays() = default;
   /// `owner`: of the tree, if it has one; see OwnedTree.
-  virtual void wait_at(LazyTree& tree, kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell,
-                       kdtree::RefCounted* owner) = 0;
+  virtual void wait_at(LazyTree& tree, kdtree::AtomicSlot& slot, kdtree::RefCounted* owner) = 0;
   /// The ray comes to a tree that rays have paid for (LazyTree::has_paid_for_all).
   virtual void wait_for_all(LazyTree& tree, kdtree::RefCounted* owner) = 0;
 };
@@ -106,12 +105,12 @@ struct LazyVisit {
   bool expands(const kdtree::DeferredCell& cell) {
     if (query.on_deferred == OnDeferred::kScan || query.on_deferred == OnDeferred::kSkip)
       return false;
-    return !tree.searches(cell, 1, query.on_deferred == OnDeferred::kDemand);
+    return !tree.searches(cell, 1, query.on_deferred == OnDeferred::kDemand, built);
   }
 
   kdtree::DeferredAction deferred(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell) {
     if (query.on_deferred == OnDeferred::kWait && tree.is_over_faces()) {
-      query.waiting->wait_at(tree, slot, cell, query.owner);
+      query.waiting->wait_at(tree, slot, query.owner);
       query.suspended = true;
       return kdtree::DeferredAction::kStop;
     }

@@ -162,7 +162,8 @@ class UnfinishedSlots final : public wide::SlotVisitor {
     if (walk_.lazy.on_deferred == lazy::OnDeferred::kScan) return true;
     if (walk_.lazy.on_deferred == lazy::OnDeferred::kSkip) return false;
     const auto rays = static_cast<std::uint64_t>(std::popcount(lanes));
-    return walk_.tree.searches(cell, rays, walk_.lazy.on_deferred == lazy::OnDeferred::kDemand);
+    return walk_.tree.searches(cell, rays, walk_.lazy.on_deferred == lazy::OnDeferred::kDemand,
+                               walk_.built);
   }
 
   void search(const kdtree::DeferredCell& cell, std::uint32_t lanes) {

@@ -16,12 +16,12 @@
 namespace sightline::scenegraph::query {
 namespace {
 
+using accel::geometry::LocalRay;
 using accel::geometry::Ray;
 using accel::geometry::RayColumns;
 using accel::kdtree::AtomicSlot;
 using accel::kdtree::BuildCounters;
 using accel::lazy::CellDecision;
-using accel::lazy::CellPassage;
 using accel::lazy::LazyTree;
 
 struct Leave {
@@ -35,7 +35,7 @@ struct Waiting {
   LazyTree* tree;
   AtomicSlot* slot;
   std::unique_ptr<accel::kdtree::RefCounted, Leave> owner;  ///< Keeps the tree alive.
-  CellPassage passage;
+  LocalRay ray;                                             ///< In the tree's frame.
 };
 
 /// The scouts of one task, as they come to cells.
@@ -52,11 +52,10 @@ class Arrivals final : public accel::lazy::WaitingRays {
     cast_one(caster_, ray);
   }
 
-  void wait_at(LazyTree& tree, AtomicSlot& slot, const accel::kdtree::DeferredCell& cell,
-               accel::kdtree::RefCounted* owner) override {
+  void wait_at(LazyTree& tree, AtomicSlot& slot, accel::kdtree::RefCounted* owner) override {
     if (owner != nullptr) owner->join();
-    waiting_.push_back({scout_, false, &tree, &slot, decltype(Waiting::owner)(owner),
-                        accel::lazy::passage(caster_.local_ray(), cell.box)});
+    waiting_.push_back(
+        {scout_, false, &tree, &slot, decltype(Waiting::owner)(owner), caster_.local_ray()});
   }
 
   void wait_for_all(LazyTree& tree, accel::kdtree::RefCounted* owner) override {
@@ -80,7 +79,7 @@ struct AwaitedCell {
   LazyTree* tree;
   AtomicSlot* slot;
   std::vector<std::size_t> scouts;
-  std::vector<CellPassage> passages;
+  std::vector<LocalRay> rays;
   bool grew = false;
 };
 
@@ -92,7 +91,7 @@ std::vector<AwaitedCell> by_cell(const std::vector<Waiting>& waiting) {
     const auto [at, fresh] = known.try_emplace(one.slot, cells.size());
     if (fresh) cells.push_back({one.for_all, one.tree, one.slot, {}, {}});
     cells[at->second].scouts.push_back(one.scout);
-    cells[at->second].passages.push_back(one.passage);
+    cells[at->second].rays.push_back(one.ray);
   }
   return cells;
 }
@@ -103,7 +102,7 @@ bool pays(const AwaitedCell& cell, double rays_each, BuildCounters& built) {
   const accel::kdtree::EpochPin pin;
   const accel::kdtree::Slot now = accel::kdtree::load(*cell.slot);
   return now.is_deferred() &&
-         cell.tree->decide(*now.cell(), cell.passages, rays_each, built) != CellDecision::kSearch;
+         cell.tree->pays(*now.cell(), rays_each * static_cast<double>(cell.rays.size()), built);
 }
 
 /// Returns whether the cell is another one then.
@@ -118,7 +117,7 @@ bool grow(const AwaitedCell& cell, double rays_each, const TraceOptions& options
     const accel::kdtree::EpochPin pin;
     const accel::kdtree::Slot now = before = accel::kdtree::load(*cell.slot);
     if (!now.is_deferred()) return true;
-    const CellDecision decision = cell.tree->decide(*now.cell(), cell.passages, rays_each, built);
+    const CellDecision decision = cell.tree->decide(*now.cell(), cell.rays, rays_each, built);
     if (decision == CellDecision::kSearch) return false;
     if (decision == CellDecision::kExpand) {
       const accel::lazy::ExpandResult expanded =

@@ -87,6 +87,44 @@ TEST(Demand, SearchesUntilThatHasCostAsMuchAsExpanding) {
   EXPECT_GT(tree.built().touches + tree.built().touches_prepare, 0u);
 }
 
+/// How often the ray is searched for before anything is built.
+std::uint64_t searches_before_building(AskedTree& tree, const Ray& ray) {
+  std::uint64_t searches = 0;
+  for (; searches < 10 * kDenseCost; ++searches) {
+    tree.nearest(ray, OnDeferred::kDemand);
+    if (tree.built().cells_expanded > 0) break;
+  }
+  return searches;
+}
+
+/// Searches of `size` references that cost as much, less the last one.
+std::uint64_t searches_for(std::uint64_t cost, std::uint64_t size) {
+  return (cost + cost_of_search(size) - 1) / cost_of_search(size) - 1;
+}
+
+TEST(Demand, SearchesASmallMeshUntilThatHasCostAsMuchAsItsBlocks) {
+  const TestMesh mesh = tests::icosphere(2);
+  AskedTree tree(mesh, "scan-fast");
+  const std::uint64_t size = mesh.faces.size();
+  EXPECT_EQ(searches_before_building(tree, {{3, 0.1, 0.2}, {-1, 0, 0}}),
+            searches_for(kBlocksCost * size, size));
+}
+
+TEST(Demand, SearchesATangleUntilThatHasCostAsMuchAsAllOfIt) {
+  const TestMesh mesh = tests::slivers(4000, 2);
+  AskedTree tree(mesh, "scan-fast");
+  const std::uint64_t size = mesh.faces.size();
+  const Ray ray{{0.5, 0.5, 0.5}, {-1, 0, 0}};
+  EXPECT_EQ(searches_before_building(tree, ray), searches_for(kDenseCost * size, size));
+  for (std::uint64_t i = 0; i < kPathCost; ++i) tree.nearest(ray, OnDeferred::kDemand);
+  const std::uint64_t cells = tree.built().cells_expanded;
+  tree.nearest(ray, OnDeferred::kDemand);
+  EXPECT_EQ(tree.built().cells_expanded, cells) << "cells below wait no longer";
+  AskedTree first_touch(mesh, "scan-fast");
+  first_touch.nearest(ray);
+  EXPECT_EQ(cells, first_touch.built().cells_expanded);
+}
+
 TEST(Demand, FindsTheSameHitsAsTheRule) {
   for (const auto& [name, mesh] : subjects()) {
     SCOPED_TRACE(name);
