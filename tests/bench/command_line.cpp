@@ -90,6 +90,9 @@ Verb add_verb_competitive(CLI::App& app) {
       ->delimiter(',');
   verb.add_option("--measured", options->measured, "Most rays that are cast")->check(counts);
   verb.add_option("--most", options->most, "Most rays, beyond those by unit costs")->check(counts);
+  verb.add_option("--longest", options->longest,
+                  "Seconds that a number of rays may take all policies to be cast")
+      ->check(CLI::Range(0.0, 1e6));
   verb.add_option("--batch", options->batch, "Rays a batch")->check(counts);
   return [options](const CommonOptions& common) { return run_competitive(common, *options); };
 }

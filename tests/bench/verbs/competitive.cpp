@@ -122,8 +122,7 @@ class KindCosts {
     if (!rays.ok()) return rays.error();
     std::vector<Hit> hits(rays->size());
     std::vector<Cost> costs(policies_.size());
-    const int repeats = count > kMostRepeated ? 1 : common.repeat;
-    for (int repeat = 0; repeat < repeats; ++repeat) {
+    for (int repeat = 0; repeat < repeats(common, count); ++repeat) {
       for (std::size_t p = 0; p < policies_.size(); ++p) {
         const Policy& policy = policies_[p];
         if (is_too_long(policy, count)) continue;
@@ -146,6 +145,15 @@ class KindCosts {
     return rows;
   }
 
+  // Of all policies and repeats, by unit costs. Rays are cast twice.
+  double seconds_to_measure(const CommonOptions& common, std::size_t count) const {
+    double sum = 0;
+    for (std::size_t p = 0; p < policies_.size(); ++p) {
+      if (!is_too_long(policies_[p], count)) sum += 2 * seconds(p, count);
+    }
+    return sum * repeats(common, count);
+  }
+
   // From the last measured ones and their unit costs.
   std::vector<Row> extrapolate(std::size_t count) const {
     std::vector<Row> rows;
@@ -158,6 +166,15 @@ class KindCosts {
     double seconds = 0, per_ray = 0;
     std::size_t count = 0;
   };
+
+  static int repeats(const CommonOptions& common, std::size_t count) {
+    return count > kMostRepeated ? 1 : common.repeat;
+  }
+
+  double seconds(std::size_t p, std::size_t count) const {
+    const Last& last = last_[p];
+    return last.seconds + static_cast<double>(count - last.count) * last.per_ray;
+  }
 
   bool is_too_long(const Policy& policy, std::size_t count) const {
     return policy.growth == Growth::kNone && count > 1 &&
@@ -179,12 +196,11 @@ class KindCosts {
   }
 
   Row row(std::size_t p, std::size_t count, bool measured) const {
-    const Last& last = last_[p];
     Row row;
     row["policy"] = policies_[p].name;
     row["kind"] = kind_;
     row["rays"] = count;
-    row["seconds"] = last.seconds + static_cast<double>(count - last.count) * last.per_ray;
+    row["seconds"] = seconds(p, count);
     row["basis"] = measured ? "measured" : "unit costs";
     return row;
   }
@@ -222,6 +238,7 @@ struct Worst {
 
 Result<std::vector<Row>> run_competitive(const CommonOptions& common,
                                          const CompetitiveOptions& options) {
+  if (common.threads == 1) Stopwatch::use_processor_time();
   const auto scene = make_scene(common);
   if (!scene.ok()) return scene.error();
   const auto policies = make_policies(common, *scene);
@@ -232,8 +249,10 @@ Result<std::vector<Row>> run_competitive(const CommonOptions& common,
   for (const std::string& kind : options.kinds) {
     KindCosts costs(task, *policies, kind);
     for (std::size_t count = 1; count <= options.most; count *= 10) {
-      auto rows = count <= options.measured ? costs.measure(common, count)
-                                            : Result<std::vector<Row>>(costs.extrapolate(count));
+      const bool measured =
+          count <= options.measured && costs.seconds_to_measure(common, count) <= options.longest;
+      auto rows = measured ? costs.measure(common, count)
+                           : Result<std::vector<Row>>(costs.extrapolate(count));
       if (!rows.ok()) return rows.error();
       worst.add(*rows);
       for (Row& row : *rows) {

@@ -62,6 +62,8 @@ struct CompetitiveOptions {
   std::vector<std::string> kinds{"closeup", "random", "diffuse"};
   std::size_t measured = 10'000'000;  ///< Larger counts of rays by unit costs.
   std::size_t most = 100'000'000;
+  double longest =
+      120;  ///< Seconds of a count of rays, of all policies; longer ones by unit costs.
   std::size_t batch = 8192;
 };
 

@@ -1,18 +1,27 @@
-// Wall time since construction.
+// Time since construction: of the wall, or of the process.
 #pragma once
 
-#include <chrono>
+#include <ctime>
 
 namespace sightline::bench {
 
 class Stopwatch {
  public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
+  /// From now on, processor time of all threads: what else runs on the machine does not count. For
+  /// what one thread does; before any is made.
+  static void use_processor_time() { clock_ = CLOCK_PROCESS_CPUTIME_ID; }
+
+  double seconds() const { return now() - start_; }
 
  private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  static double now() {
+    timespec time{};
+    clock_gettime(clock_, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+  }
+
+  inline static clockid_t clock_ = CLOCK_MONOTONIC;
+  double start_ = now();
 };
 
 }  // namespace sightline::bench
