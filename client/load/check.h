@@ -25,11 +25,11 @@ struct Regression {
 Result<std::vector<Regression>> find_regressions(const nlohmann::ordered_json& before,
                                                  const nlohmann::ordered_json& now,
                                                  double tolerance);
-/// Whether measuring again may show that there is no regression: all are of time, which other load of
-/// the machine takes too. Requests that failed did so.
+/// Whether measuring again may show that there is no regression: all are of time, which other load
+/// of the machine takes too. Requests that failed did so.
 bool may_be_noise(const std::vector<Regression>& regressions);
 
-/// So many runs in a row must be slower before a regression of time counts.
+/// A regression of time counts after this number of slower runs in a row.
 inline constexpr int kRunsToConfirm = 3;
 inline constexpr double kTailFactor = 3;
 inline constexpr double kDefaultTolerance = 0.1;

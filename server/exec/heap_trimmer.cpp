@@ -19,7 +19,7 @@ bool HeapTrimmer::observe(std::uint64_t held, std::uint64_t resident) {
   const std::uint64_t least = std::max(kLeastBytes, most_ / kLeastShare);
   // While bytes are freed a pass would have to be made again.
   const bool falling = held < last_;
-  at_rest_ = difference(held, last_) < least ? at_rest_ + 1 : 0;
+  steady_ = difference(held, last_) < least ? steady_ + 1 : 0;
   last_ = held;
   const bool scratch = is_scratch_worth_it(held, resident);
   if (falling || (most_ - held < least && !scratch)) return false;
@@ -32,7 +32,7 @@ bool HeapTrimmer::observe(std::uint64_t held, std::uint64_t resident) {
 bool HeapTrimmer::is_scratch_worth_it(std::uint64_t held, std::uint64_t resident) {
   const std::uint64_t unheld = resident - std::min(held, resident);
   least_unheld_ = std::min(least_unheld_, unheld);
-  return at_rest_ >= kCallsAtRest &&
+  return steady_ >= kSteadyCalls &&
          unheld - least_unheld_ >= std::max(kLeastScratch, resident / kLeastScratchShare);
 }
 

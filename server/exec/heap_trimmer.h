@@ -13,15 +13,15 @@ class HeapTrimmer {
   /// The least that is worth a pass over the heap, and the least share of what is held.
   static constexpr std::uint64_t kLeastBytes = std::uint64_t{1} << 20;
   static constexpr std::uint64_t kLeastShare = 16;
-  /// The same of memory that came in use without being held, as it is soon used again if trees are
-  /// still built; and for so many calls nothing must be.
+  /// The same for memory that came in use and is not held. Trees that are still built use it again:
+  /// what is held must have been steady for this number of calls.
   static constexpr std::uint64_t kLeastScratch = std::uint64_t{16} << 20;
   static constexpr std::uint64_t kLeastScratchShare = 8;
-  static constexpr int kCallsAtRest = 4;
+  static constexpr int kSteadyCalls = 4;
 
   /// Call it from time to time with the bytes that the process holds now, by its own account, and
   /// those that are resident (0: not known). True: the heap was trimmed, since much was freed after
-  /// the last time, and freeing and building have come to rest.
+  /// the last time, and nothing is being freed or built.
   bool observe(std::uint64_t held, std::uint64_t resident);
 
  private:
@@ -30,7 +30,7 @@ class HeapTrimmer {
   std::uint64_t most_ = 0;  // since the heap was trimmed
   std::uint64_t last_ = 0;
   std::uint64_t least_unheld_ = std::numeric_limits<std::uint64_t>::max();  // since then
-  int at_rest_ = 0;                                                         // calls
+  int steady_ = 0;                                                          // calls
 };
 
 /// Of this process; 0 if the system does not say.

@@ -70,8 +70,8 @@ Result<bool> check_against(const Json& before, double tolerance, Json& result) {
 bool seems_slower(const LoadOutput& output, const load::LoadOptions& options,
                   const load::LoadContext& context, const load::LoadResult& result) {
   if (!output.before || result.interrupted) return false;
-  const auto found = load::find_regressions(
-      *output.before, load::to_json(options, context, result), output.tolerance);
+  const auto found = load::find_regressions(*output.before, load::to_json(options, context, result),
+                                            output.tolerance);
   return found && !found->empty() && load::may_be_noise(*found);
 }
 

@@ -39,11 +39,11 @@ TEST(HeapTrimmer, ReturnsWhatBuildingTookForAWhile) {
   HeapTrimmer trimmer;
   EXPECT_FALSE(trimmer.observe(10 * kMib, 30 * kMib));
   EXPECT_FALSE(trimmer.observe(60 * kMib, 160 * kMib));
-  for (int call = 1; call < HeapTrimmer::kCallsAtRest; ++call)
+  for (int call = 1; call < HeapTrimmer::kSteadyCalls; ++call)
     EXPECT_FALSE(trimmer.observe(60 * kMib, 160 * kMib)) << "building may go on";
   EXPECT_TRUE(trimmer.observe(60 * kMib, 160 * kMib));
   // What could not be returned is not asked for again.
-  for (int call = 0; call < 3 * HeapTrimmer::kCallsAtRest; ++call)
+  for (int call = 0; call < 3 * HeapTrimmer::kSteadyCalls; ++call)
     EXPECT_FALSE(trimmer.observe(60 * kMib, 150 * kMib));
 }
 
