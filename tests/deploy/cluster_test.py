@@ -5,49 +5,16 @@ transcript. No cast fails, and nothing is left running.
 cluster_test.py SIGHTLINED SIGHTLINE
 """
 
-import json
 import os
-import pathlib
-import shutil
 import signal
-import subprocess
 import sys
-import tempfile
 import threading
 
-from operator_files import DEPLOY, SKIPPED, needs
+from cluster_operator import with_operator
 
 QUAD = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3\nf 1 3 4\n"
 RAYS = "".join(f"{x / 10},0.3,10,0,0,-1\n" for x in range(-9, 10))
 CASTS_AROUND = 10  # before a replica is killed, and after
-
-
-class Operator:
-    """Types commands, and prints them with their output."""
-
-    def __init__(self, folder, sightlined, sightline):
-        self.folder = folder
-        self.sightline = sightline
-        self.environment = {**os.environ, "SIGHTLINE_CLUSTER_DIR": str(folder / "cluster"), "SIGHTLINED": sightlined}
-
-    def run(self, *command, stdin="", exit_code=0, quiet=False):
-        done = subprocess.run([*map(str, command)], cwd=self.folder, env=self.environment, input=stdin, text=True,
-                              capture_output=True, check=False)
-        if not quiet or done.returncode != exit_code:
-            print("$", *command)
-            print(done.stdout + done.stderr, end="", flush=True)
-        if done.returncode != exit_code:
-            sys.exit(f"failed: exit code {done.returncode}")
-        return done.stdout
-
-    def cluster(self, *arguments, exit_code=0, quiet=False):
-        return self.run(DEPLOY / "cluster", *arguments, exit_code=exit_code, quiet=quiet)
-
-    def status(self):
-        return json.loads(self.cluster("status", "--json", quiet=True))
-
-    def cast(self):
-        return self.run(self.sightline, "cast", "yard", "--in", "-", "--out", "-", stdin=RAYS, quiet=True)
 
 
 class Casting:
@@ -63,7 +30,7 @@ class Casting:
     def _run(self):
         while not self._ends and self._failure is None:
             try:
-                failure = None if self._operator.cast() == self._expected else "another answer"
+                failure = None if cast(self._operator) == self._expected else "another answer"
             except SystemExit as error:
                 failure = str(error)
             with self._changed:
@@ -102,18 +69,12 @@ def kill_each_replica(operator, expected):
         casting.end()
 
 
-def processes_of(folder):
-    """Command lines in which the folder of the cluster is named, as in those of all its parts."""
-    lines = []
-    for path in pathlib.Path("/proc").glob("[0-9]*/cmdline"):
-        try:
-            lines.append(path.read_bytes().replace(b"\0", b" ").decode(errors="replace"))
-        except OSError:
-            pass
-    return [line for line in lines if str(folder) in line]
+def cast(operator):
+    return operator.run(operator.sightline, "cast", "yard", "--in", "-", "--out", "-", stdin=RAYS, quiet=True)
 
 
 def tour(operator):
+    (operator.folder / "quad.obj").write_text(QUAD)
     operator.cluster("status", exit_code=3)
     operator.cluster("up")
     operator.cluster("up")
@@ -122,44 +83,23 @@ def tour(operator):
         sys.exit("failed: the cluster is not complete")
     operator.environment["SIGHTLINE_ENDPOINT"] = status["endpoint"]
     operator.run(operator.sightline, "scene", "import", "yard", "quad.obj", "--up", "z")
-    expected = operator.cast()
+    expected = cast(operator)
     print(expected, end="")
     if ",1," not in expected:
         sys.exit("failed: nothing was hit")
     kill_each_replica(operator, expected)
     operator.cluster("promote")
     operator.cluster("up")
-    if operator.cast() != expected or operator.status()["primary"]["name"] != "db2":
+    if cast(operator) != expected or operator.status()["primary"]["name"] != "db2":
         sys.exit("failed: after the promotion")
     operator.cluster("restart")
     operator.cluster("status")
     operator.cluster("down")
     operator.cluster("up")
-    if operator.cast() != expected:
+    if cast(operator) != expected:
         sys.exit("failed: the scene is lost")
     operator.cluster("down", "--delete")
     operator.cluster("status", exit_code=3)
 
 
-def main():
-    if not list(pathlib.Path("/usr/lib/postgresql").glob("*/bin/initdb")):
-        print("skipped: there is no PostgreSQL")
-        sys.exit(SKIPPED)
-    os.environ["PATH"] += ":/usr/sbin"
-    for program in ("haproxy", "prometheus"):
-        needs(program)
-    folder = pathlib.Path(tempfile.mkdtemp())
-    folder.chmod(0o711)  # PostgreSQL may run as another user
-    operator = Operator(folder, *sys.argv[1:3])
-    (folder / "quad.obj").write_text(QUAD)
-    try:
-        tour(operator)
-        left = processes_of(folder)
-        if left or (folder / "cluster").exists():
-            sys.exit(f"failed: left behind: {left}")
-    finally:
-        subprocess.run([DEPLOY / "cluster", "down", "--delete"], env=operator.environment, check=False, capture_output=True)
-        shutil.rmtree(folder, ignore_errors=True)
-
-
-main()
+with_operator(tour)
