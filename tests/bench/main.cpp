@@ -12,7 +12,7 @@
 #include <string_view>
 #include <thread>
 
-#include "tests/bench/command_line.h"
+#include "tests/bench/command_line/command_line.h"
 #include "tests/bench/remote/echo_service.h"
 #include "tests/bench/scenes/generators.h"
 #include "tests/bench/verbs/verbs.h"

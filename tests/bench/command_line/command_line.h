@@ -14,8 +14,9 @@ namespace sightline::bench {
 
 /// Runs one, with the options that were parsed.
 using Verb = std::function<Result<std::vector<Row>>(const CommonOptions&)>;
+using Verbs = std::map<std::string, Verb>;
 
 /// Adds all verbs as subcommands. Returns them by their names.
-std::map<std::string, Verb> add_verbs(CLI::App& app);
+Verbs add_verbs(CLI::App& app);
 
 }  // namespace sightline::bench
