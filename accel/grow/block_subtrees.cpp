@@ -29,6 +29,7 @@ Grown BlockSubtrees::join(const kdtree::Plane& cut, const Grown& left, const Gro
       return {.node = arena_.join(left.node, right.node)};
     }
   }
+  context_.tree.reserve();
   const std::optional<std::uint32_t> pair = context_.tree.allocate_pair();
   if (!pair) throw std::bad_alloc();
   const kdtree::Slot slot = kdtree::Slot::binary(cut, *pair);

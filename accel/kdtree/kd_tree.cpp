@@ -49,6 +49,7 @@ void delete_below(const KdTree& tree, Slot slot) {
 KdTree::KdTree(const geometry::Aabb& bounds, std::size_t references, const CellPath& path,
                std::shared_ptr<TreeMemory> memory)
     : bounds_(bounds),
+      references_(references),
       root_(Slot::empty_leaf().bits()),
       free_soon_from_(references * kRetiredBytesPerReference) {
   lists_->memory = std::move(memory);
@@ -80,11 +81,11 @@ void KdTree::use_ids(std::uint64_t ids) {
   lists_->add(TreeBytes::kNodes, ids * sizeof(std::uint32_t));
 }
 
-void KdTree::reserve(std::size_t references, const Capacity& capacity) {
+void KdTree::reserve() {
   const std::size_t pairs =
-      std::min<std::size_t>(references * capacity.pairs + kSpare, Slot::kMaxPairs);
+      std::min<std::size_t>(references_ * capacity_.pairs + kSpare, Slot::kMaxPairs);
   const std::size_t ids =
-      std::min<std::size_t>(references * capacity.ids + kSpare, std::size_t{1} << 32);
+      std::min<std::size_t>(references_ * capacity_.ids + kSpare, std::size_t{1} << 32);
   Arrays* arrays = arrays_.load(std::memory_order_acquire);
   if (arrays == nullptr) {
     auto fresh = std::make_unique<Arrays>(ReservedArray<AtomicSlot>(2 * pairs),

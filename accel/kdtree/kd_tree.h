@@ -55,19 +55,22 @@ class KdTree {
     return {ids_.load(std::memory_order_relaxed) + slot.leaf_first(), slot.leaf_count()};
   }
 
-  /// Most pairs and ids that the arrays can hold for each reference of the root.
+  /// Most pairs and ids that the arrays can hold for each reference of the root, beside a few.
   struct Capacity {
     std::size_t pairs = 32, ids = 64;
   };
 
-  /// Reserves the arrays of a tree over `references` boxes, once. Every thread calls it before it
-  /// makes its first node. Throws std::bad_alloc. Threads: any.
-  void reserve(std::size_t references, const Capacity& capacity);
+  /// Before other threads see the tree.
+  void set_capacity(const Capacity& capacity) { capacity_ = capacity; }
+  /// Makes the arrays, once: a tree that is one finished subtree needs none. Every thread calls it
+  /// before it makes its first pair or leaf. Throws std::bad_alloc. Threads: any.
+  void reserve();
 
-  /// Index of a new pair of slots, or nothing if the array is full. Threads: any.
+  /// Index of a new pair of slots, or nothing if the array is full or not reserved. Threads: any.
   std::optional<std::uint32_t> allocate_pair();
 
-  /// A leaf over these references, or nothing if the array of ids is full. Threads: any.
+  /// A leaf over these references, or nothing if the array of ids is full or not reserved.
+  /// Threads: any.
   std::optional<Slot> make_leaf(std::span<const Reference> refs);
 
   /// A deferred slot whose list is made; an empty leaf if the list is empty. Threads: any.
@@ -143,6 +146,8 @@ class KdTree {
   };
 
   geometry::Aabb bounds_;
+  const std::size_t references_;
+  Capacity capacity_;
   AtomicSlot root_;
   std::atomic<FinishedSubtree*> top_{nullptr};
   std::atomic<Arrays*> arrays_{nullptr};

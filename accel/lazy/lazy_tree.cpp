@@ -2,6 +2,7 @@
 #include "accel/lazy/lazy_tree.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <new>
 #include <utility>
@@ -49,6 +50,13 @@ bool may_make_blocks(const split::SplitSearch& rule, const geometry::MeshView* m
   return rule.makes_blocks() && mesh != nullptr && frame_of(bounds);
 }
 
+/// A budget of references bounds what leaves hold, and with it the number of nodes; the rest is for
+/// small subtrees, which have none. Leaf blocks hold ids of their own.
+kdtree::KdTree::Capacity capacity_within(double budget, bool makes_blocks) {
+  const auto most = static_cast<std::size_t>(std::ceil(budget));
+  return {.pairs = most, .ids = makes_blocks ? 0 : most + most / 2};
+}
+
 }  // namespace
 
 LazyTree::LazyTree(const geometry::Aabb& bounds, std::size_t primitive_count, split::SplitRule rule,
@@ -62,7 +70,9 @@ LazyTree::LazyTree(const geometry::Aabb& bounds, std::size_t primitive_count, sp
       primitive_count_(primitive_count),
       context_{rule_, source_, mesh, grow::depth_limit(*rule_, primitive_count)},
       frame_(frame_of(bounds)),
-      makes_blocks_(may_make_blocks(*rule_, mesh, bounds)) {}
+      makes_blocks_(may_make_blocks(*rule_, mesh, bounds)) {
+  if (budget() > 0) tree_.set_capacity(capacity_within(budget(), makes_blocks()));
+}
 
 double LazyTree::budget() const { return rule_->budget(makes_blocks()); }
 
@@ -209,7 +219,6 @@ ExpandResult LazyTree::expand_large(kdtree::AtomicSlot& slot, kdtree::DeferredCe
 ExpandResult LazyTree::run_all_passes(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
                                       CellTask& task, kdtree::BuildCounters& counters,
                                       const std::atomic<bool>* cancelled) {
-  reserve();
   grow::GrowingBytes growing(tree_, cell.size * sizeof(kdtree::Reference));
   Division division =
       divide_long(context_, cell, PassSequence(task, counters, cancelled), counters);
@@ -252,7 +261,10 @@ kdtree::Slot LazyTree::make_slot(Division division, const kdtree::DeferredCell& 
 }
 
 kdtree::Slot LazyTree::make_unkept(Division& division, const kdtree::DeferredCell& cell) {
-  if (!division.cuts.empty()) return make_slot(division, division.cuts[0]);
+  if (!division.cuts.empty()) {
+    tree_.reserve();
+    return make_slot(division, division.cuts[0]);
+  }
   if (!division.cells.empty()) {
     const kdtree::Slot finer = defer(std::move(division.cells[0]));
     // Rays that have searched the cell have searched the finer one.
@@ -268,6 +280,7 @@ kdtree::Slot LazyTree::make_unkept(Division& division, const kdtree::DeferredCel
     grow::BlockSubtrees blocks(context);
     return blocks.compile(blocks.finish(whole.all(), cell.box));
   }
+  tree_.reserve();
   const std::optional<kdtree::Slot> leaf = tree_.make_leaf(whole.all());
   if (!leaf) throw std::bad_alloc();
   return *leaf;

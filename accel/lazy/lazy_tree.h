@@ -172,7 +172,6 @@ class LazyTree {
   bool lists_are_left_over() const;
   bool build_left_over(const kdtree::AtomicSlot* before, kdtree::BuildCounters& counters,
                        const std::atomic<bool>* cancelled);
-  void reserve();
   std::uint64_t most_list_bytes() const;
   bool may_list_root(kdtree::BuildCounters& counters) const;
   void complete_claimed(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,

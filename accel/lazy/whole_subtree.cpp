@@ -1,7 +1,6 @@
 // Cells whose subtrees are built at once, because the lists of their children would take too long
 // to search or too much memory.
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <new>
 #include <utility>
@@ -48,14 +47,6 @@ kdtree::ReferenceList copy(const kdtree::CellList& list, const std::atomic<bool>
 
 }  // namespace
 
-/// A budget of references bounds what leaves hold, and with it the number of nodes; the rest is for
-/// small subtrees, which have none.
-void LazyTree::reserve() {
-  if (budget() == 0) return tree_.reserve(primitive_count_, {});
-  const auto most = static_cast<std::size_t>(std::ceil(budget()));
-  tree_.reserve(primitive_count_, {.pairs = most, .ids = most + most / 2});
-}
-
 /// Whether the source can list the cell again: no cut above has separated anything. Its boxes are
 /// then those before clipping.
 bool LazyTree::holds_all(const kdtree::DeferredCell& cell) const {
@@ -96,7 +87,7 @@ void LazyTree::complete_claimed(kdtree::AtomicSlot& slot, kdtree::DeferredCell& 
                                 kdtree::BuildCounters& counters,
                                 const std::atomic<bool>* cancelled) {
   try {
-    if (!makes_blocks() || cell.weight > grow::kBlockCell) reserve();
+    if (!makes_blocks()) tree_.reserve();
     bool openable = cell.openable;
     kdtree::ReferenceList list = whole_list(cell, openable, counters, cancelled);
     if (openable) list = open_all(source_, std::move(list), cell.box, counters);

@@ -70,7 +70,7 @@ void expect_same(const std::vector<kdtree::Reference>& refs, const geometry::Aab
         split::BoundRule{.cost = {}, .all_axes_up_to = 4}, split::BoundRule{.cost = {0, 1, 1}},
         split::BoundRule{.cost = {1, 50, 0.8}}}) {
     kdtree::KdTree tree(cell, refs.size());
-    tree.reserve(1000, {});
+    tree.reserve();
     kdtree::BuildCounters counters;
     const kdtree::Slot root = grow_small({.tree = tree, .rule = unused, .max_depth = max_depth},
                                          rule, refs, cell, {}, counters);

@@ -228,7 +228,7 @@ TEST(ExactTrees, ACancelledSweepLeavesUsableLists) {
     kdtree::AtomicSlot& child = parts->tree().children(root)[i];
     const kdtree::DeferredCell& cell = *kdtree::load(child).cell();
     kdtree::KdTree scratch(cell.box, cell.size);
-    scratch.reserve(cell.size, {});
+    scratch.reserve();
     const split::SplitRule rule = rule_of(ExactBuilder{});
     const grow::GrowContext context{scratch, *rule, &view, 60, &cancelled};
     const kdtree::ReferenceList listed = cell.list.copy();
