@@ -1,5 +1,6 @@
 """Processes that go on after the command that started them, and are found again by number and start."""
 
+import http.client
 import os
 import pathlib
 import pwd
@@ -121,5 +122,5 @@ def answers(url):
     try:
         with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(url, timeout=2) as reply:
             return reply.status == 200
-    except OSError:
+    except (OSError, http.client.HTTPException):  # a connection to a port that nobody has yet may be to itself, and answers itself
         return False
