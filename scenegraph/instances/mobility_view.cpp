@@ -50,11 +50,11 @@ void add_changed(const std::optional<model::ChildList>& some, const hierarchy::H
 /// Gives the candidates their nodes in this hierarchy. An older tree's instance is that of the same
 /// node: what changes a node makes another. Lookups of many nodes overlap.
 void find_nodes(const hierarchy::Hierarchy& hierarchy, std::span<Candidate> candidates) {
-  constexpr std::size_t kTogether = 32;
-  std::array<model::NodeId, kTogether> ids;
-  std::array<const std::shared_ptr<const model::Node>*, kTogether> nodes;
+  constexpr std::size_t kLookups = 32;
+  std::array<model::NodeId, kLookups> ids;
+  std::array<const std::shared_ptr<const model::Node>*, kLookups> nodes;
   while (!candidates.empty()) {
-    const auto part = candidates.first(std::min(candidates.size(), kTogether));
+    const auto part = candidates.first(std::min(candidates.size(), kLookups));
     std::ranges::transform(part, ids.begin(), &Candidate::id);
     hierarchy.nodes.find_all(std::span(ids).first(part.size()),
                              std::span(nodes).first(part.size()));
@@ -136,6 +136,7 @@ std::vector<model::NodeId> topmost_dynamic_roots(const hierarchy::Hierarchy& hie
   add_changed(std::nullopt, hierarchy, candidates);
   keep_topmost(hierarchy, 0, candidates);
   std::vector<model::NodeId> roots;
+  roots.reserve(candidates.size());
   for (const Candidate& candidate : candidates) roots.push_back(candidate.id);
   return roots;
 }

@@ -2,6 +2,7 @@
 #include "server/exec/call_context.h"
 
 #include <grpc/grpc.h>
+#include <grpcpp/generic/async_generic_service.h>
 
 #include <vector>
 
