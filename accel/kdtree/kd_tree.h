@@ -60,7 +60,7 @@ class KdTree {
     std::size_t pairs = 32, ids = 64;
   };
 
-  /// Before other threads see the tree.
+  /// How much reserve() makes room for. To be called before other threads see the tree.
   void set_capacity(const Capacity& capacity) { capacity_ = capacity; }
   /// Makes the arrays, once: a tree that is one finished subtree needs none. Every thread calls it
   /// before it makes its first pair or leaf. Throws std::bad_alloc. Threads: any.

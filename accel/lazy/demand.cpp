@@ -137,8 +137,9 @@ std::uint64_t LazyTree::cost_of_expanding(const kdtree::DeferredCell& cell) cons
     const bool is_mesh = cell.size == primitive_count_ || cell.evicted;
     return is_mesh ? kBlocksCost * cell.size : kRaysToFinish * cost_of_search(cell.size);
   }
-  // Where the root is a tangle, rays have paid for it there.
-  if (tangle_.load(std::memory_order_relaxed) != Known::kYes && is_dense(cell, primitive_count_))
+  // Where all of the mesh overlaps, rays have paid for it at the root.
+  if (overlapping_.load(std::memory_order_relaxed) != Known::kYes &&
+      is_dense(cell, primitive_count_))
     return kDenseCost * cell.size;
   const double share = static_cast<double>(cell.weight) / static_cast<double>(primitive_count_);
   return static_cast<std::uint64_t>(static_cast<double>(kPathCost * cell.size) * share * share *
@@ -162,23 +163,24 @@ bool LazyTree::pays(const kdtree::DeferredCell& cell, double rays,
   return may_grow(cell) && pays_for(cell, spent, counters);
 }
 
-/// A tangle is not divided before rays have paid for all of it: its lists take longer to search
-/// than the mesh.
+/// A mesh whose triangles all overlap is not divided before rays have paid for all of it: its lists
+/// take longer to search than the mesh.
 bool LazyTree::pays_for(const kdtree::DeferredCell& cell, std::uint64_t spent,
                         kdtree::BuildCounters& counters) const {
   if (spent < cost_of_expanding(cell)) return false;
-  return cell.has_list || is_eager(cell) || !is_tangle(cell, counters) ||
+  return cell.has_list || is_eager(cell) || !is_overlapping(cell, counters) ||
          spent >= kDenseCost * cell.size;
 }
 
-bool LazyTree::is_tangle(const kdtree::DeferredCell& root, kdtree::BuildCounters& counters) const {
+bool LazyTree::is_overlapping(const kdtree::DeferredCell& root,
+                              kdtree::BuildCounters& counters) const {
   constexpr double kMostCut = 0.2;
-  Known known = tangle_.load(std::memory_order_relaxed);
+  Known known = overlapping_.load(std::memory_order_relaxed);
   if (known == Known::kNot) {
     const bool openable = source_.coarsest(counters).openable;
     const bool is_cut = !openable && share_cut(sample(root, source_, counters)) > kMostCut;
     known = is_cut ? Known::kYes : Known::kNo;
-    tangle_.store(known, std::memory_order_relaxed);
+    overlapping_.store(known, std::memory_order_relaxed);
   }
   return known == Known::kYes;
 }

@@ -141,7 +141,7 @@ class LazyTree {
   bool pays_for(const kdtree::DeferredCell& cell, std::uint64_t spent,
                 kdtree::BuildCounters& counters) const;
   /// Whether planes cut too many of the references for a division to make lists much shorter.
-  bool is_tangle(const kdtree::DeferredCell& root, kdtree::BuildCounters& counters) const;
+  bool is_overlapping(const kdtree::DeferredCell& root, kdtree::BuildCounters& counters) const;
   kdtree::ReferenceList whole_list(const kdtree::DeferredCell& cell, bool& openable,
                                    kdtree::BuildCounters& counters,
                                    const std::atomic<bool>* cancelled) const;
@@ -195,7 +195,7 @@ class LazyTree {
   std::atomic<std::uint64_t> steps_{0};  ///< Since the top was compiled.
   std::atomic<std::uint64_t> rays_{0};   ///< See count_rays().
   enum class Known : std::uint8_t { kNot, kNo, kYes };
-  mutable std::atomic<Known> tangle_{Known::kNot};  ///< See is_tangle().
+  mutable std::atomic<Known> overlapping_{Known::kNot};  ///< See is_overlapping().
   std::atomic<bool> compiles_top_{false};
   std::atomic<bool> complete_{false};
   std::atomic<std::uint64_t> evicted_{0};  ///< Pieces, so far.
