@@ -3,8 +3,9 @@
 import json
 import os
 import pathlib
-import socket
 import sys
+
+from .ports import Claims
 
 REPLICAS = ("a", "b", "c")
 DATABASES = ("db1", "db2")
@@ -33,6 +34,7 @@ class Settings:
 
     def __init__(self, directory):
         self.directory = directory
+        self._claims = Claims()
         self.ports = {}
         self.primary = DATABASES[0]
         if self._file.exists():
@@ -59,29 +61,21 @@ class Settings:
         draft.replace(self._file)
 
     def has_free_ports(self):
-        """Whether there are ports already, and no other program has taken one."""
-        return bool(self.ports) and all(map(_is_free, self.ports.values()))
+        """Whether there are ports already, and no other program has taken one. Nor does another cluster, until this command
+        ends."""
+        return bool(self.ports) and self._claims.take(self.ports.values())
 
     def choose_ports(self):
-        """Ten in a row: those from SIGHTLINE_CLUSTER_PORT on, else the first that are free from FIRST_PORT on."""
+        """Ten in a row: those from SIGHTLINE_CLUSTER_PORT on, else the first that are free from FIRST_PORT on. No other cluster
+        chooses one until this command ends."""
         wanted = os.environ.get("SIGHTLINE_CLUSTER_PORT")
         if wanted is not None and not wanted.isdigit():
             raise Failure(f"SIGHTLINE_CLUSTER_PORT is a port, not {wanted!r}")
         starts = [int(wanted)] if wanted else range(FIRST_PORT, FIRST_PORT + 2000, 20)
         for start in starts:
             ports = dict(zip(_PORTS, range(start, start + len(_PORTS))))
-            if all(_is_free(port) for port in ports.values()):
+            if self._claims.take(ports.values()):
                 self.ports = ports
                 return
         raise Failure(f"of the ports from {starts[0]} on some are in use: set SIGHTLINE_CLUSTER_PORT to the first of "
                       f"{len(_PORTS)} free ones")
-
-
-def _is_free(port):
-    with socket.socket() as probe:
-        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            probe.bind(("127.0.0.1", port))
-        except OSError:
-            return False
-    return True
