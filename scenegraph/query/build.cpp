@@ -153,6 +153,22 @@ Result<TraceStats> build_all(const revision::Snapshot& snapshot, const std::atom
   return stats;
 }
 
+Result<TraceStats> build_shard(const revision::Snapshot& snapshot, const Shard& shard,
+                               const std::atomic<bool>* cancelled) {
+  std::vector<const model::Node*> nodes;
+  snapshot.nodes().for_each([&](model::NodeId id, const std::shared_ptr<const model::Node>& node) {
+    if (hierarchy::is_instance(*node) && shard.has(id)) nodes.push_back(node.get());
+  });
+  BuildProgress progress;
+  Status built = build_mesh_trees(nodes, progress, cancelled);
+  if (built) built = build_scene_tree(snapshot, progress, cancelled);
+  if (!built) return built.error();
+  TraceStats stats;
+  stats.cells_expanded = progress.cells_expanded;
+  stats.build_seconds = static_cast<double>(progress.build_us) * 1e-6;
+  return stats;
+}
+
 Result<std::vector<const model::Node*>> mesh_nodes_under(const revision::Snapshot& snapshot,
                                                          std::span<const model::NodeId> roots,
                                                          std::span<const model::NodeId> excluded) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "accel/result.h"
+#include "scenegraph/query/shard_cut.h"
 #include "scenegraph/revision/snapshot.h"
 #include "scenegraph/trace_options.h"
 
@@ -54,6 +55,10 @@ auto or_out_of_memory(const Work& work) -> decltype(work()) {
 Result<TraceStats> build_all(const revision::Snapshot& snapshot,
                              const std::atomic<bool>* cancelled = nullptr,
                              BuildProgress* progress = nullptr);
+
+/// As build_all(), of the meshes in the shard, and of the scene's own trees. Walks the scene.
+Result<TraceStats> build_shard(const revision::Snapshot& snapshot, const Shard& shard,
+                               const std::atomic<bool>* cancelled);
 
 /// The nodes that carry a mesh with a finite triangle at or under one of `roots` (if there are
 /// none: all), without those at or under one of `excluded`, each once. Errors: kNotFound, naming

@@ -16,7 +16,8 @@ Status check_node(const revision::Snapshot& snapshot, model::NodeId id, const ch
 }
 
 Result<Selection> Selection::make(std::shared_ptr<const revision::Snapshot> snapshot,
-                                  model::NodeId root, std::span<const model::NodeId> excluded) {
+                                  model::NodeId root, std::span<const model::NodeId> excluded,
+                                  Shard shard) {
   if (root != 0) {
     if (const Status known = check_node(*snapshot, root, "root"); !known) return known.error();
   }
@@ -25,14 +26,15 @@ Result<Selection> Selection::make(std::shared_ptr<const revision::Snapshot> snap
     if (const Status known = check_node(*snapshot, id, "excluded"); !known) return known.error();
   }
   std::sort(sorted.begin(), sorted.end());
-  return Selection(std::move(snapshot), root, std::move(sorted));
+  return Selection(std::move(snapshot), root, std::move(sorted), std::move(shard));
 }
 
 Selection::Selection(std::shared_ptr<const revision::Snapshot> snapshot, model::NodeId root,
-                     std::vector<model::NodeId> excluded)
+                     std::vector<model::NodeId> excluded, Shard shard)
     : snapshot_(std::move(snapshot)),
       root_(root),
       excluded_(std::move(excluded)),
+      shard_(std::move(shard)),
       trees_(snapshot_->trees()),
       selected_(trees_.size()) {}
 
@@ -43,7 +45,7 @@ bool Selection::decide(std::size_t index) const {
     return std::binary_search(excluded_.begin(), excluded_.end(), id);
   };
   const auto is_root = [&](model::NodeId id) { return id == root_; };
-  return !any_upward(hierarchy, node, is_excluded) &&
+  return shard_.has(node) && !any_upward(hierarchy, node, is_excluded) &&
          (root_ == 0 || any_upward(hierarchy, node, is_root));
 }
 

@@ -1,4 +1,5 @@
-// The part of a scene that a query sees: the nodes under one root, without those under others.
+// The part of a scene that a query sees: the nodes under one root, without those under others, and
+// of these the ones in one shard.
 #pragma once
 
 #include <cstddef>
@@ -8,6 +9,7 @@
 
 #include "accel/result.h"
 #include "scenegraph/instances/instance_filter.h"
+#include "scenegraph/query/shard_cut.h"
 #include "scenegraph/revision/snapshot.h"
 
 namespace sightline::scenegraph::query {
@@ -20,10 +22,12 @@ Status check_node(const revision::Snapshot& snapshot, model::NodeId id, const ch
 class Selection {
  public:
   /// Selects `root` and all nodes under it (0: the whole scene), without each node of `excluded`
-  /// and all under it. Keeps the snapshot, which must be the one that is traced.
-  /// Errors: kNotFound, naming the id that is no node of this revision.
+  /// and all under it; of these, the instances in `shard`, which is a cut of the snapshot. Keeps
+  /// the snapshot, which must be the one that is traced. Errors: kNotFound, naming the id that is
+  /// no node of this revision.
   static Result<Selection> make(std::shared_ptr<const revision::Snapshot> snapshot,
-                                model::NodeId root, std::span<const model::NodeId> excluded);
+                                model::NodeId root, std::span<const model::NodeId> excluded,
+                                Shard shard = {});
 
   /// `index`: of an opened instance, as of Snapshot::trees().
   bool selects(std::size_t index) const {
@@ -32,13 +36,14 @@ class Selection {
 
  private:
   Selection(std::shared_ptr<const revision::Snapshot> snapshot, model::NodeId root,
-            std::vector<model::NodeId> excluded);
+            std::vector<model::NodeId> excluded, Shard shard);
   bool decide(std::size_t index) const;
 
   std::shared_ptr<const revision::Snapshot> snapshot_;
   model::NodeId root_;
   std::vector<model::NodeId> excluded_;  // ascending
-  instances::OpenTrees trees_;           // of the snapshot
+  Shard shard_;
+  instances::OpenTrees trees_;  // of the snapshot
   instances::InstanceFilter selected_;
 };
 
