@@ -133,6 +133,16 @@ void add_storage_flags(CLI::App& app, ServerConfig& config) {
                  "temporary one");
 }
 
+void add_shard_flags(CLI::App& app, ServerConfig& config) {
+  app.add_option("--shard-peers", config.shard_peers,
+                 "HOST:PORT,HOST:PORT,...: the servers of this --store, this one too, in the same "
+                 "order at each; every one answers for a part of each scene")
+      ->type_name("PEERS");
+  app.add_option("--shard-ca", config.shard_ca,
+                 "With --tls-cert: who signs the certificates of --shard-peers (PEM); by default "
+                 "whom this machine trusts");
+}
+
 void add_flags(CLI::App& app, CommandLine& line) {
   ServerConfig& config = line.config;
   const CLI::Validator count(check_count, "COUNT");
@@ -144,6 +154,7 @@ void add_flags(CLI::App& app, CommandLine& line) {
   app.add_option("--port-file", config.port_file,
                  "File to write the bound port to, once ready (0: a Unix socket)");
   add_storage_flags(app, config);
+  add_shard_flags(app, config);
   app.add_option("--threads", config.threads,
                  "Threads that trace and build; as many again prefetch, where that is asked for")
       ->check(CLI::Range(1, ServerConfig::kMaxThreads))

@@ -32,6 +32,8 @@ struct ServerConfig {
   /// Reads that name no revision are refused while the newest revisions in `store` were not told
   /// for longer. 0: never.
   std::chrono::milliseconds max_staleness{0};
+  std::string shard_peers;  ///< HOST:PORT,HOST:PORT...: who answers for the shards. Empty: none.
+  std::filesystem::path shard_ca;   ///< Of their certificates. Empty: no TLS, or the system's.
   int threads = default_threads();  ///< Workers for queries, 1 to kMaxThreads. Updates and
                                     ///< background work have as many each.
   scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< kFirstTouch, kDemand or kFull.

@@ -15,6 +15,7 @@
 #include "server/durable/open_store.h"
 #include "server/endpoint.h"
 #include "server/exec/ticker.h"
+#include "server/shards/peers.h"
 #include "server/state.h"
 #include "server/state_files.h"
 #include "server/state_metrics.h"
@@ -31,12 +32,30 @@ durable::StoreLocation store_location(const ServerConfig& config) {
   return {config.data_dir, config.store, config.mesh_cache};
 }
 
+shards::PeerSettings peer_settings(const ServerConfig& config) {
+  return {.addresses = config.shard_peers,
+          .tls = !config.tls.empty(),
+          .ca = config.shard_ca,
+          .certificate = config.tls.certificate,
+          .key = config.tls.key};
+}
+
+Status check_shards(const ServerConfig& config) {
+  if (!config.shard_peers.empty() && config.store.empty()) {
+    return Error{Code::kInvalidArgument,
+                 "--shard-peers needs the --store in which all of them find the scenes",
+                 "SHARDS_NEED_STORE"};
+  }
+  return shards::Peers::check(peer_settings(config));
+}
+
 }  // namespace
 
 /// In order of construction. A member uses only members before it and is destroyed before them.
 struct Server::Parts {
-  Parts(const ServerConfig& config, Access made, std::unique_ptr<store::Store> disk)
-      : access(std::move(made)), state(config, std::move(disk)) {}
+  Parts(const ServerConfig& config, Access made, std::unique_ptr<store::Store> disk,
+        shards::Peers peers)
+      : access(std::move(made)), state(config, std::move(disk), std::move(peers)) {}
 
   const Access access;
   State state;
@@ -91,12 +110,15 @@ Status Server::check(const ServerConfig& config) {
   if (Status good = config.tls.check(); !good) return good;
   if (const auto address = check_listen(config); !address) return address.error();
   if (Status good = durable::check_location(store_location(config)); !good) return good;
+  if (Status good = check_shards(config); !good) return good;
   return AdminPort::check(config);
 }
 
 Status Server::check_files(const ServerConfig& config) {
   const auto access = Access::make(config);
-  return access ? Status() : Status(access.error());
+  if (!access) return access.error();
+  const auto peers = shards::Peers::make(peer_settings(config));
+  return peers ? Status() : Status(peers.error());
 }
 
 Result<std::unique_ptr<Server>> Server::start(const ServerConfig& config) {
@@ -104,11 +126,14 @@ Result<std::unique_ptr<Server>> Server::start(const ServerConfig& config) {
   const auto address = check_listen(config);
   auto access = Access::make(config);
   if (!access) return access.error();
+  auto peers = shards::Peers::make(peer_settings(config));
+  if (!peers) return peers.error();
   if (const Status made = make_data_dir(config.data_dir); !made) return made.error();
   auto disk = durable::open_store(store_location(config));
   if (!disk) return disk.error();
 
-  auto parts = std::make_unique<Parts>(config, *std::move(access), *std::move(disk));
+  auto parts =
+      std::make_unique<Parts>(config, *std::move(access), *std::move(disk), *std::move(peers));
   if (const Status opened = parts->state.open(); !opened) return opened.error();
   if (const Status served = parts->endpoint.serve(*address); !served) return served.error();
   std::unique_ptr<Server> server(new Server(std::move(parts)));

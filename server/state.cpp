@@ -16,8 +16,9 @@
 
 namespace sightline::server {
 
-State::State(const ServerConfig& c, std::unique_ptr<store::Store> disk)
+State::State(const ServerConfig& c, std::unique_ptr<store::Store> disk, shards::Peers peers)
     : config(c),
+      shard_peers(std::move(peers)),
       memory(c.memory_budget, c.memory_budget / exec::kForCallsShare),
       admission(c.admission, &memory),
       all_hits_admission(

@@ -22,6 +22,8 @@
 #include "server/scenes/reclaim.h"
 #include "server/scenes/scene_store.h"
 #include "server/scenes/services.h"
+#include "server/shards/peers.h"
+#include "server/shards/shard_cuts.h"
 #include "server/store/store.h"
 
 namespace sightline::server {
@@ -29,9 +31,11 @@ namespace sightline::server {
 /// In order of construction. A member uses only members before it and is destroyed before them.
 struct State {
   /// `disk`: null keeps scenes in memory only.
-  State(const ServerConfig& config, std::unique_ptr<store::Store> disk);
+  State(const ServerConfig& config, std::unique_ptr<store::Store> disk, shards::Peers peers);
 
   const ServerConfig config;
+  const shards::Peers shard_peers;
+  shards::ShardCuts shard_cuts;
   exec::MemoryAccount memory;
   exec::Admission admission, all_hits_admission, small_admission, batch_admission;
   exec::UnreadReplies unread;
@@ -74,6 +78,8 @@ struct State {
                                   .update_streams = update_streams,
                                   .watches = watches,
                                   .scene_puts = scene_puts,
+                                  .shard_peers = shard_peers,
+                                  .shard_cuts = shard_cuts,
                                   .policy = config.policy,
                                   .slow_query = config.slow_query};
 

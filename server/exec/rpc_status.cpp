@@ -101,6 +101,15 @@ grpc::Status to_grpc(const Error& error) {
   return {code, status.message(), status.SerializeAsString()};
 }
 
+Error error_of(const grpc::Status& status) {
+  Error error{Code::kInternal, status.error_message(), reason_of(status)};
+  for (int code = 0; code <= static_cast<int>(Code::kInternal); ++code) {
+    if (grpc_code(static_cast<Code>(code)).code == status.error_code())
+      error.code = static_cast<Code>(code);
+  }
+  return error;
+}
+
 std::string reason_of(const grpc::Status& status) {
   google::rpc::Status details;
   google::rpc::ErrorInfo info;

@@ -46,6 +46,10 @@ std::string reason_of(const Error& error);
 /// quota used up or something unavailable, also a google.rpc.RetryInfo with kRetryDelay.
 grpc::Status to_grpc(const Error& error);
 
+/// The error that to_grpc() wrote, at another server too; kInternal for a code that it never
+/// writes.
+Error error_of(const grpc::Status& status);
+
 /// The reason that to_grpc() wrote; empty if the status has none.
 std::string reason_of(const grpc::Status& status);
 

@@ -11,6 +11,7 @@
 #include "server/exec/rpc_status.h"
 #include "server/queries/hit_codec.h"
 #include "server/scenes/names.h"
+#include "server/shards/peers.h"
 
 namespace sightline::server::queries {
 namespace {
@@ -29,11 +30,13 @@ Status CastJob::open(const v1::CastRaysRequest& request) {
   if (Status good = scenes::check_scene_name(request.scene()); !good) return good;
   auto query = decode_query(request, services_.policy);
   if (!query) return query.error();
+  if (const Status good = check_shard(*query); !good) return good;
   auto scene = services_.find_for_read(request.scene(), request.consistency());
   if (!scene) return scene.error();
   query_ = std::move(*query);
   scene_ = std::move(*scene);
   flow_ = {caller_.principal, caller_.connection, request.scene()};
+  if (!services_.shard_peers.empty() && !query_.shard) open_sharded(request);
   return {};
 }
 
@@ -67,7 +70,8 @@ Status CastJob::accept(const v1::CastRaysRequest& request) {
   const std::size_t decoded = lists ? count : std::min(count, kRaysPerSlice);
   const std::size_t rows = lists ? std::min(count * query_.max_hits, kMaxHitsPerReply) : count;
   std::size_t bytes = request.ByteSizeLong() + decoded * kSliceBytesPerRay +
-                      count * kReplyBytesPerRay + derived_bytes(query_, rows);
+                      count * kReplyBytesPerRay + derived_bytes(query_, rows) +
+                      sharded_bytes(count, lists ? rows : 0);
   if (lists) {
     bytes += hit_pager_bytes(count, query_.max_hits, services_.compute.threads());
     auto all_hits = services_.all_hits_admission.admit(caller_, count, bytes);
@@ -94,14 +98,17 @@ void CastJob::begin_budget(std::uint32_t milliseconds) {
   if (cancelled_.load()) stopped_.store(true);
   has_budget_ = milliseconds > 0;
   if (!has_budget_) return;
-  alarm_ = services_.deadlines.set(arrived_ + std::chrono::milliseconds(milliseconds), stopped_);
+  budget_ends_ = arrived_ + std::chrono::milliseconds(milliseconds);
+  alarm_ = services_.deadlines.set(budget_ends_, stopped_);
 }
 
 void CastJob::enqueue(v1::CastRaysResponse& reply, const Done& done) {
   waiting_since_ = Clock::now();
   bool answered = false;
   const Status pushed = exec::to_status([&] {
-    if (is_immediate() && answer_at_once(reply)) {
+    if (is_sharded()) {
+      push_sharded(reply, done);
+    } else if (is_immediate() && answer_at_once(reply)) {
       answered = true;
     } else if (begun_ || query_.growth != scenegraph::Growth::kFull || snapshot_->is_complete()) {
       push_cast(reply, done);
@@ -182,7 +189,7 @@ void CastJob::push_build(v1::CastRaysResponse& reply, const Done& done) {
 }
 
 void CastJob::push_cast(v1::CastRaysResponse& reply, const Done& done) {
-  exec::Slice slice = [this, &reply, done] {
+  push([this, &reply, done] {
     Progress progress = Progress::kDone;
     const Status ran = exec::to_status([&] { return run_slice(reply, progress); });
     if (ran && progress == Progress::kMore) return true;
@@ -192,7 +199,10 @@ void CastJob::push_cast(v1::CastRaysResponse& reply, const Done& done) {
       end(ran, done);
     }
     return false;
-  };
+  });
+}
+
+void CastJob::push(exec::Slice slice) {
   if (batch_.size() <= kSmallCast) {
     services_.compute.enqueue_small(flow_, std::move(slice));
   } else {
@@ -211,7 +221,10 @@ void CastJob::end(const Status& status, const Done& done) {
 }
 
 Status CastJob::build() {
-  const auto built = scenegraph::build_all(*snapshot_, &stopped_);
+  const auto of_query = shard();
+  if (!of_query) return of_query.error();
+  const auto built = query_.shard ? scenegraph::query::build_shard(*snapshot_, *of_query, &stopped_)
+                                  : scenegraph::build_all(*snapshot_, &stopped_);
   waiting_since_ = Clock::now();
   const bool out_of_time = has_budget_ && !cancelled_.load(std::memory_order_relaxed);
   if (!built && built.error().code == Code::kCancelled && out_of_time) return {};
@@ -258,7 +271,10 @@ void CastJob::describe(v1::CastRaysResponse& reply) {
 /// On a worker: the query may be the first to need the revision's instances.
 Status CastJob::begin() {
   if (query_.selects() && !selection_) {
-    auto selection = scenegraph::query::Selection::make(snapshot_, query_.root, query_.excluded);
+    auto of_query = shard();
+    if (!of_query) return of_query.error();
+    auto selection = scenegraph::query::Selection::make(snapshot_, query_.root, query_.excluded,
+                                                        *std::move(of_query));
     if (!selection) return selection.error();
     selection_.emplace(std::move(*selection));
   }

@@ -30,6 +30,7 @@
 #include "server/queries/hit_pager.h"
 #include "server/scenes/revision_wait.h"
 #include "server/scenes/services.h"
+#include "server/shards/sharded_cast.h"
 #include "sightline/v1/query.pb.h"
 
 namespace sightline::server::queries {
@@ -52,10 +53,15 @@ enum class Replies : std::uint8_t { kOne, kMany };
 /// slices and batches use the same memory.
 class CastJob {
  public:
-  CastJob(const scenes::Services& services, exec::Caller caller, Replies replies)
-      : services_(services), caller_(std::move(caller)), replies_(replies) {}
+  /// `context`: of the call, which outlives this.
+  CastJob(const scenes::Services& services, grpc::CallbackServerContext& context, Replies replies)
+      : services_(services),
+        context_(context),
+        caller_(exec::caller_of(context)),
+        replies_(replies) {}
 
-  /// Finds the scene and decodes the query. Errors: kInvalidArgument, kNotFound.
+  /// Finds the scene and decodes the query. Errors: kInvalidArgument, kNotFound,
+  /// kFailedPrecondition (a shard of another number than this server has peers).
   Status open(const v1::CastRaysRequest& request);
   const std::shared_ptr<scenes::StoredScene>& scene() const { return scene_; }
   const exec::Caller& caller() const { return caller_; }
@@ -72,8 +78,10 @@ class CastJob {
   /// background workers if the query asks for one. Then calls done(Status) there. An immediate cast
   /// is answered, and done() called, before this returns. If the reply says
   /// that there is more, the batch stays admitted, and enqueue() must be called again for the next
-  /// one. `reply` must not change meanwhile. Errors: kCancelled; kNotFound, naming a node of the
-  /// query that does not exist.
+  /// one. `reply` must not change meanwhile. Where this server has peers for shards, they trace,
+  /// and done() may be called on a thread of gRPC. Errors: kCancelled; kNotFound, naming a node of
+  /// the query that does not exist; kFailedPrecondition, a shard of another cut; as
+  /// shards::ShardedCast::take.
   using Done = std::function<void(const Status&)>;
   void enqueue(v1::CastRaysResponse& reply, const Done& done);
 
@@ -100,6 +108,19 @@ class CastJob {
   /// Of one reply.
   enum class Progress : std::uint8_t { kMore, kDone };
 
+  Status check_shard(const CastQuery& query) const;
+  bool is_sharded() const { return sharded_ != nullptr; }
+  void open_sharded(const v1::CastRaysRequest& request);
+  std::size_t sharded_bytes(std::size_t rays, std::size_t rows) const;
+  void push_sharded(v1::CastRaysResponse& reply, const Done& done);
+  Status run_sharded(v1::CastRaysResponse& reply, const Done& done, bool& asked);
+  Status begin_sharded();
+  std::size_t sharded_part() const;
+  Status write_sharded(v1::CastRaysResponse& reply);
+  Status write_sharded_hits(v1::CastRaysResponse& reply);
+  Status write_sharded_lists(v1::CastRaysResponse& reply);
+  void push(exec::Slice slice);
+  Result<scenegraph::query::Shard> shard() const;
   bool is_immediate() const;
   bool answer_at_once(v1::CastRaysResponse& reply);
   void push_build(v1::CastRaysResponse& reply, const Done& done);
@@ -123,6 +144,7 @@ class CastJob {
   scenegraph::TraceOptions options() const;
 
   const scenes::Services& services_;
+  const grpc::CallbackServerContext& context_;
   const exec::Caller caller_;
   exec::FlowKey flow_;  // after open()
   const Replies replies_;
@@ -137,9 +159,13 @@ class CastJob {
   std::optional<scenegraph::query::Selection> selection_;
   std::vector<scenegraph::RayTally> tallies_;  // of the slice
   HitPager pager_;
-  DerivedColumns derived_;              // of the batch, unless it lists hits
-  scenegraph::TraceStats build_stats_;  // of a full build for the batch
-  scenegraph::TraceStats stats_;        // of the batch
+  std::unique_ptr<shards::ShardedCast> sharded_;            // null: this server traces
+  std::shared_ptr<const scenegraph::query::ShardCut> cut_;  // of the revision, for `sharded_`
+  bool peers_asked_ = false;                                // `sharded_` has answers to take
+  Clock::time_point sharded_since_;                         // the batch
+  DerivedColumns derived_;                                  // of the batch, unless it lists hits
+  scenegraph::TraceStats build_stats_;                      // of a full build for the batch
+  scenegraph::TraceStats stats_;                            // of the batch
   exec::Quotas::Use quota_;
   exec::Admission::Ticket ticket_, all_hits_ticket_;
   Clock::time_point arrived_, waiting_since_;
@@ -147,6 +173,7 @@ class CastJob {
   bool begun_ = false;                                  // the batch has had a slice
   std::atomic<bool> cancelled_{false};
   bool has_budget_ = false;                        // of time, the batch
+  Clock::time_point budget_ends_;                  // if it has one
   std::atomic<bool> stopped_{false};               // the batch: cancelled, or out of time
   exec::Deadlines::Alarm alarm_;                   // of the batch; sets stopped_
   std::vector<accel::geometry::HitState> states_;  // of the slice, if the reply has no such column

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 
+#include "scenegraph/query/shard_cut.h"
 #include "server/exec/rpc_status.h"
 
 namespace sightline::server::queries {
@@ -171,6 +172,20 @@ Status decode_nodes(const v1::CastRaysRequest& request, CastQuery& query) {
   return {};
 }
 
+Status decode_shard(const v1::CastRaysRequest& request, CastQuery& query) {
+  query.allow_partial = request.allow_partial();
+  if (!request.has_shard()) return {};
+  const v1::Shard& shard = request.shard();
+  if (shard.count() > scenegraph::query::kMaxShards || shard.index() >= shard.count()) {
+    return exec::invalid_argument(
+        fmt::format("shard {} of {}: an index is below the count, and that is at most {}",
+                    shard.index(), shard.count(), scenegraph::query::kMaxShards),
+        "BAD_SHARD");
+  }
+  query.shard = {shard.index(), shard.count(), shard.cut()};
+  return {};
+}
+
 }  // namespace
 
 Result<CastQuery> decode_query(const v1::CastRaysRequest& request, Growth policy) {
@@ -184,6 +199,7 @@ Result<CastQuery> decode_query(const v1::CastRaysRequest& request, Growth policy
   if (const Status good = decode_fields(request, query); !good) return good.error();
   if (const Status good = decode_max_hits(request, query); !good) return good.error();
   if (const Status good = decode_nodes(request, query); !good) return good.error();
+  if (const Status good = decode_shard(request, query); !good) return good.error();
   return query;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "accel/geometry/facing.h"
@@ -18,6 +19,12 @@ inline constexpr std::uint32_t kDefaultMaxHits = 256;
 inline constexpr std::uint32_t kMaxMaxHits = 16384;
 inline constexpr int kMaxExclusions = 4096;
 
+/// A range of the scene, as the message Shard.
+struct ShardOf {
+  std::uint32_t index = 0, count = 0;
+  std::uint64_t cut = 0;  ///< 0: not checked.
+};
+
 /// A checked query.
 struct CastQuery {
   scenegraph::QueryKind kind = scenegraph::QueryKind::kClosest;
@@ -31,12 +38,16 @@ struct CastQuery {
   bool positions = false;              ///< Whether `fields` has positions.
   bool names = false;                  ///< Whether `fields` has names.
 
-  bool selects() const { return root != 0 || !excluded.empty(); }
+  std::optional<ShardOf> shard{};  ///< Only what is in it exists. Unset: everything.
+  bool allow_partial = false;
+
+  bool selects() const { return root != 0 || !excluded.empty() || shard; }
 };
 
 /// Checks and decodes the query. `policy` is used for an unspecified build mode.
 /// Errors: kInvalidArgument (an unknown kind, field, build mode or culling; a repeated field; a
-/// field or limit that the kind does not have; kMaxMaxHits or kMaxExclusions exceeded).
+/// field or limit that the kind does not have; kMaxMaxHits or kMaxExclusions exceeded; a shard that
+/// is none of as many as are said).
 Result<CastQuery> decode_query(const v1::CastRaysRequest& request, scenegraph::Growth policy);
 
 }  // namespace sightline::server::queries

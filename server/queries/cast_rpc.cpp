@@ -49,7 +49,7 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
         unread_(services.unread),
         metrics_(services.metrics),
         slow_(services.slow_query),
-        job_(services, exec::caller_of(context), Replies::kOne),
+        job_(services, context, Replies::kOne),
         wait_(std::make_shared<scenes::RevisionWait>(services.compute, services.admission,
                                                      services.waiting_reads)),
         request_(request),
@@ -118,7 +118,7 @@ class CastStream final
         slow_(services.slow_query),
         context_(context),
         streams_(services.cast_streams),
-        job_(services, exec::caller_of(context), Replies::kMany),
+        job_(services, context, Replies::kMany),
         wait_(std::make_shared<scenes::RevisionWait>(services.compute, services.admission,
                                                      services.waiting_reads)) {}
 

@@ -20,6 +20,11 @@
 #include "server/scenes/names.h"
 #include "server/scenes/scene_store.h"
 
+namespace sightline::server::shards {
+class Peers;
+class ShardCuts;
+}  // namespace sightline::server::shards
+
 namespace sightline::server::scenes {
 
 /// Each part outlives every call.
@@ -46,6 +51,8 @@ struct Services {
   exec::CallRegistry& update_streams;
   exec::CallRegistry& watches;
   exec::CallRegistry& scene_puts;
+  const shards::Peers& shard_peers;  ///< None: this server answers alone.
+  shards::ShardCuts& shard_cuts;
   scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< For an unspecified build mode.
   std::chrono::milliseconds slow_query{0};  ///< Slower ones are logged. 0: none.
 

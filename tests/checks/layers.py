@@ -50,7 +50,8 @@ server/codec                server/exec server/blobs server/blobs/digest scenegr
 server/scenes               server/exec server/metrics server/store server/blobs server/blobs/digest server/codec
                             scenegraph/scene scenegraph/trace_options scenegraph/model scenegraph/instances
                             scenegraph/revision accel/result accel/kdtree
-server/queries              server/exec server/metrics server/scenes scenegraph/* accel/result accel/geometry proto/rays
+server/shards               server/exec server/net scenegraph/query scenegraph/revision scenegraph/trace_options accel/result accel/geometry
+server/queries              server/exec server/metrics server/scenes server/shards scenegraph/* accel/result accel/geometry proto/rays
 server/updates              server/exec server/store server/blobs server/blobs/digest server/codec server/scenes scenegraph/* accel/result
 server/durable              server/exec server/store server/store/postgres server/blobs server/blobs/digest server/codec server/scenes
                             server/updates scenegraph/* accel/result

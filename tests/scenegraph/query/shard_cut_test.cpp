@@ -65,7 +65,7 @@ TEST(ShardCut, LeavesShardsEmptyWhereThereAreFewerInstances) {
   EXPECT_EQ(instances_in(none), 0u);
 }
 
-TEST(ShardCut, HasEachInstanceOnceWhereAllAreInOnePlace) {
+TEST(ShardCut, HasEachInstanceOnceWhereAllCoincide) {
   const auto snapshot = tests::snapshot_of(row_of_cubes(9, 0));
   const ShardCut cut(*snapshot, 3);
   EXPECT_EQ(shards_of(cut, 9), (std::vector<std::uint32_t>{0, 0, 0, 1, 1, 1, 2, 2, 2})) << "by id";

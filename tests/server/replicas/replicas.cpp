@@ -19,7 +19,7 @@ ReplicaServer::ReplicaServer(const server::ServerConfig& config) {
   EXPECT_TRUE(started) << started.error().message;
   if (!started) return;
   server_ = std::move(*started);
-  channel_ = connect(server_->port());
+  channel_ = server_->port() == 0 ? connect(config.listen) : connect(server_->port());
   api_ = std::make_unique<Api>(channel_);
 }
 

@@ -20,6 +20,10 @@ std::unique_ptr<server::Server> start(const server::ServerConfig& config) {
 }  // namespace
 
 std::shared_ptr<grpc::Channel> connect(int port) {
+  return connect("127.0.0.1:" + std::to_string(port));
+}
+
+std::shared_ptr<grpc::Channel> connect(const std::string& target) {
   // Never released: when its last user is destroyed, the library waits up to ten seconds for its
   // client's poller.
   static const bool library_held = (grpc_init(), true);
@@ -27,8 +31,7 @@ std::shared_ptr<grpc::Channel> connect(int port) {
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
-  auto channel = grpc::CreateCustomChannel("127.0.0.1:" + std::to_string(port),
-                                           grpc::InsecureChannelCredentials(), arguments);
+  auto channel = grpc::CreateCustomChannel(target, grpc::InsecureChannelCredentials(), arguments);
   // gRPC 1.51 reads errno of connect() too late, and now and then an attempt fails for no reason.
   // The limit only ends a failing test.
   EXPECT_TRUE(

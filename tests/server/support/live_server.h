@@ -24,6 +24,8 @@ inline server::ServerConfig test_config() {
 }
 
 /// A separate connection, not shared with other channels of this process. It is open.
+std::shared_ptr<grpc::Channel> connect(const std::string& target);
+/// To a port of this machine.
 std::shared_ptr<grpc::Channel> connect(int port);
 
 class LiveServer : public testing::Test {

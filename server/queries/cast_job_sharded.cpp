@@ -1,0 +1,181 @@
+// Batches that the servers of the shards trace: their questions are asked, and their answers
+// merged.
+#include <algorithm>
+#include <utility>
+
+#include "scenegraph/query/selection.h"
+#include "server/exec/rpc_status.h"
+#include "server/queries/cast_job.h"
+#include "server/shards/peers.h"
+#include "server/shards/shard_cuts.h"
+
+namespace sightline::server::queries {
+
+using accel::geometry::HitColumns;
+using accel::geometry::HitState;
+using accel::geometry::Ray;
+using scenegraph::QueryKind;
+
+/// All servers cut in as many shards.
+Status CastJob::check_shard(const CastQuery& query) const {
+  if (!query.shard || query.shard->count == services_.shard_peers.size()) return {};
+  return Error{Code::kFailedPrecondition,
+               fmt::format("asked for shard {} of {}, but this server has {} --shard-peers",
+                           query.shard->index, query.shard->count, services_.shard_peers.size()),
+               "SHARDS_DIFFER"};
+}
+
+/// The whole scene, if the query names no shard.
+Result<scenegraph::query::Shard> CastJob::shard() const {
+  if (!query_.shard) return scenegraph::query::Shard();
+  auto cut = services_.shard_cuts.find_or_make(snapshot_, query_.shard->count);
+  if (query_.shard->cut != 0 && query_.shard->cut != cut->fingerprint()) {
+    return Error{Code::kFailedPrecondition,
+                 fmt::format("this server cuts revision {} into other shards: is it of another "
+                             "version?",
+                             snapshot_->revision()),
+                 "SHARD_CUT_DIFFERS"};
+  }
+  return scenegraph::query::Shard{std::move(cut), query_.shard->index};
+}
+
+void CastJob::open_sharded(const v1::CastRaysRequest& request) {
+  sharded_ = std::make_unique<shards::ShardedCast>(
+      services_.shard_peers, context_, request,
+      shards::ShardedCast::Query{.kind = query_.kind,
+                                 .surface = query_.surface,
+                                 .max_hits = query_.max_hits,
+                                 .allow_partial = query_.allow_partial});
+}
+
+/// `rows`: of listed hits.
+std::size_t CastJob::sharded_bytes(std::size_t rays, std::size_t rows) const {
+  if (!is_sharded()) return 0;
+  return rays * shards::kShardedBytesPerRay +
+         rows * shards::kShardedBytesPerHit * services_.shard_peers.size();
+}
+
+/// Begins a reply, or goes on with it when the peers have answered.
+void CastJob::push_sharded(v1::CastRaysResponse& reply, const Done& done) {
+  push([this, &reply, done] {
+    bool asked = false;
+    const Status ran = exec::to_status([&] { return run_sharded(reply, done, asked); });
+    if (asked) return false;  // this may be gone
+    if (ran && reply.more()) {
+      done(ran);
+    } else {
+      end(ran, done);
+    }
+    return false;
+  });
+}
+
+/// `asked`: peers were asked, and go on when they have answered; then this may be gone.
+Status CastJob::run_sharded(v1::CastRaysResponse& reply, const Done& done, bool& asked) {
+  queued_ += Clock::now() - waiting_since_;
+  if (cancelled_.load(std::memory_order_relaxed))
+    return Error{Code::kCancelled, "cancelled while waiting", "CANCELLED"};
+  if (!begun_) {
+    if (Status ready = begin_sharded(); !ready) return ready;
+  }
+  if (std::exchange(peers_asked_, true)) {
+    if (Status taken = sharded_->take(); !taken) return taken;
+  } else {
+    sharded_->begin({.rays = std::span<const Ray>(rays_).subspan(answered_, sharded_part()),
+                     .cut = cut_,
+                     .revision = snapshot_->revision(),
+                     .token = revision_.text(),
+                     .budget_ends = has_budget_ ? std::optional(budget_ends_) : std::nullopt});
+  }
+  asked = sharded_->ask([this, &reply, done] {
+    waiting_since_ = Clock::now();
+    const Status pushed = exec::to_status([&] {
+      push_sharded(reply, done);
+      return Status();
+    });
+    if (!pushed) end(pushed, done);
+  });
+  if (asked) return {};
+  peers_asked_ = false;
+  return write_sharded(reply);
+}
+
+Status CastJob::begin_sharded() {
+  using scenegraph::query::check_node;
+  if (query_.root != 0) {
+    if (Status known = check_node(*snapshot_, query_.root, "root"); !known) return known;
+  }
+  for (const scenegraph::model::NodeId id : query_.excluded) {
+    if (Status known = check_node(*snapshot_, id, "excluded"); !known) return known;
+  }
+  sharded_since_ = Clock::now();
+  cut_ = services_.shard_cuts.find_or_make(snapshot_, services_.shard_peers.size());
+  rays_.resize(batch_.size());
+  batch_.decode(0, rays_);
+  traced_ = {};
+  answered_ = 0;
+  stats_ = {};
+  peers_asked_ = false;
+  begun_ = true;
+  return {};
+}
+
+/// How many rays the next reply answers: those whose lists one message of a peer holds, too.
+std::size_t CastJob::sharded_part() const {
+  const std::size_t left = batch_.size() - answered_;
+  if (query_.kind != QueryKind::kAll) return left;
+  return std::min(left, std::max<std::size_t>(kMaxHitsPerReply / query_.max_hits, 1));
+}
+
+Status CastJob::write_sharded(v1::CastRaysResponse& reply) {
+  const std::size_t part = sharded_part();
+  stats_ += sharded_->stats();
+  reply.clear_first_ray();
+  reply.clear_more();
+  reply.clear_unanswered();
+  if (query_.kind == QueryKind::kAll) {
+    if (Status written = write_sharded_lists(reply); !written) return written;
+  } else {
+    resize_columns(query_.fields, part, part, reply);
+    if (Status written = write_sharded_hits(reply); !written) return written;
+  }
+  answered_ += part;
+  reply.set_more(answered_ < batch_.size());
+  traced_ = Clock::now() - sharded_since_;
+  describe(reply);
+  return {};
+}
+
+Status CastJob::write_sharded_hits(v1::CastRaysResponse& reply) {
+  const scenegraph::query::ShardMerge& answers = sharded_->answers();
+  derived_.begin(*snapshot_, reply);
+  if (query_.kind == QueryKind::kCount) {
+    encode_tallies(answers.tallies(), 0, reply);
+    mark_unanswered(answers.tallies(), 0, batch_.size(), reply);
+    return {};
+  }
+  HitColumns hits = view_hits(reply, 0, batch_.size());
+  derived_.add_sources(hits);
+  if (hits.bits != nullptr)
+    std::fill_n(hits.bits, (hits.size + kRaysPerBitsByte - 1) / kRaysPerBitsByte, std::uint8_t{0});
+  std::vector<HitState> states;
+  states.reserve(hits.size);
+  for (std::size_t i = 0; i < hits.size; ++i) {
+    hits.set(i, answers.hits()[i]);
+    states.push_back(answers.hits()[i].state);
+  }
+  mark_unanswered(states, 0, batch_.size(), reply);
+  return derived_.write(accel::geometry::columns_of(std::span<const Ray>(rays_)), hits, 0);
+}
+
+Status CastJob::write_sharded_lists(v1::CastRaysResponse& reply) {
+  const scenegraph::query::ShardMerge& answers = sharded_->answers();
+  encode_lists(answers.tallies(), answers.listed(), query_.fields, reply);
+  mark_unanswered(answers.tallies(), 0, answers.tallies().size(), reply);
+  derived_.begin(*snapshot_, reply);
+  reply.set_first_ray(answered_);
+  return derived_.write_lists(std::span<const Ray>(rays_).subspan(answered_, sharded_part()),
+                              answers.tallies(), answers.listed());
+}
+
+}  // namespace sightline::server::queries

@@ -1,0 +1,59 @@
+// The servers that answer for the shards of scenes.
+#pragma once
+
+#include <grpcpp/client_context.h>
+#include <grpcpp/security/credentials.h>
+#include <grpcpp/server_context.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "accel/result.h"
+#include "sightline/v1/query.grpc.pb.h"
+
+namespace sightline::server::shards {
+
+/// Where the peers are, and how they are called.
+struct PeerSettings {
+  std::string
+      addresses;  ///< HOST:PORT,HOST:PORT,... or unix:PATH: that of shard 0 first. Empty: none.
+  bool tls = false;
+  std::filesystem::path ca;           ///< PEM. Empty: the system's.
+  std::filesystem::path certificate;  ///< PEM, shown to peers that ask for one.
+  std::filesystem::path key;          ///< Of the certificate.
+};
+
+/// Connections, made at the first call, that notice a peer which is gone or frozen. Threads: any.
+class Peers {
+ public:
+  /// None.
+  Peers() = default;
+  /// Errors: as check(), and kFailedPrecondition, naming a file that cannot be read.
+  static Result<Peers> make(const PeerSettings& settings);
+  /// Errors: kInvalidArgument, naming the address that is none, has no port or is named twice, or
+  /// the number of addresses and its limits.
+  static Status check(const PeerSettings& settings);
+
+  bool empty() const { return peers_.empty(); }
+  /// How many shards a scene has.
+  std::uint32_t size() const { return static_cast<std::uint32_t>(peers_.size()); }
+  const std::string& address(std::uint32_t shard) const { return peers_[shard].address; }
+  v1::RayQueryService::Stub& stub(std::uint32_t shard) const { return *peers_[shard].stub; }
+
+  /// A call to a peer on behalf of a call to this server: with its deadline, its end, its name and
+  /// its token.
+  static std::unique_ptr<grpc::ClientContext> context_for(
+      const grpc::CallbackServerContext& caller);
+
+ private:
+  struct Peer {
+    std::string address;
+    std::unique_ptr<v1::RayQueryService::Stub> stub;
+  };
+  std::vector<Peer> peers_;
+};
+
+}  // namespace sightline::server::shards

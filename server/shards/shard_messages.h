@@ -1,0 +1,39 @@
+// The messages between servers that answer for shards.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "accel/geometry/ray.h"
+#include "accel/result.h"
+#include "scenegraph/query/shard_merge.h"
+#include "scenegraph/trace_options.h"
+#include "sightline/v1/query.pb.h"
+
+namespace sightline::server::shards {
+
+/// What the requests of a call have in common: what `asked` asks for, of this kind and with
+/// `surface` (barycentrics and normals) or without, and the fields that a merge needs. Neither
+/// rays, nor the revision, nor the shard.
+v1::CastRaysRequest make_template(const v1::CastRaysRequest& asked, scenegraph::QueryKind kind,
+                                  bool surface);
+
+/// Sets the rays of the question, as the merge limits them.
+void set_rays(const scenegraph::query::ShardMerge& merge,
+              const scenegraph::query::ShardQuestion& question, v1::CastRaysRequest& request);
+
+/// The hits of a reply.
+struct ShardAnswer {
+  std::vector<accel::geometry::Hit> hits;     ///< Closest and any: of each ray; all: listed.
+  std::vector<scenegraph::RayTally> tallies;  ///< Count and all: of each ray.
+};
+
+/// Errors: kInternal, naming the column, if the reply has not what make_template() asks for.
+Result<ShardAnswer> decode(const v1::CastRaysResponse& reply, scenegraph::QueryKind kind,
+                           std::size_t rays);
+
+/// What the reply cost. The counts of rays and hits are not in it: the merge has those.
+scenegraph::TraceStats decode_cost(const v1::CastStats& stats);
+
+}  // namespace sightline::server::shards

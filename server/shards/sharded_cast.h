@@ -1,0 +1,103 @@
+// A batch of rays that other servers answer, each for a shard of the scene.
+#pragma once
+
+#include <grpcpp/client_context.h>
+#include <grpcpp/server_context.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "accel/geometry/ray.h"
+#include "accel/result.h"
+#include "scenegraph/query/shard_merge.h"
+#include "server/shards/peers.h"
+#include "sightline/v1/query.pb.h"
+
+namespace sightline::server::shards {
+
+/// What a ray takes in a batch: itself, its question, the answers of a shard and of all.
+inline constexpr std::size_t kShardedBytesPerRay = 512;
+/// What a listed hit takes, for each shard: in its message, and decoded twice.
+inline constexpr std::size_t kShardedBytesPerHit = 192;
+
+/// Of one call. For each batch begin(), then ask() and take() in turn until ask() returns false. No
+/// thread waits for a peer: a call to one ends when it answers, when the caller's deadline passes
+/// or the caller is gone, and when the connection is found to be dead.
+class ShardedCast {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// What all batches of a call ask for.
+  struct Query {
+    scenegraph::QueryKind kind = scenegraph::QueryKind::kClosest;
+    bool surface = false;  ///< As of TraceOptions, as the next one.
+    std::uint32_t max_hits = 0;
+    bool allow_partial = false;  ///< Rays that a lost shard could change are unanswered.
+  };
+
+  struct Batch {
+    std::span<const accel::geometry::Ray> rays{};  ///< Outlive the batch.
+    /// Of the revision that every shard answers at, as the next two.
+    std::shared_ptr<const scenegraph::query::ShardCut> cut{};
+    std::uint64_t revision = 0;
+    std::string token{};
+    std::optional<Clock::time_point> budget_ends{};  ///< Then rays are unanswered.
+  };
+
+  /// `asked`: the first request of the call. `caller`: the call to this server. It and `peers`
+  /// outlive every batch.
+  ShardedCast(const Peers& peers, const grpc::CallbackServerContext& caller,
+              const v1::CastRaysRequest& asked, const Query& query);
+
+  void begin(Batch batch);
+
+  /// Sends the next questions, to several peers at a time, and returns true; then calls answered()
+  /// once, when all have ended: from a thread of gRPC, or before this returns. After that this
+  /// object may be gone. False: the batch is done.
+  bool ask(std::function<void()> answered);
+
+  /// After answered(): merges the answers. Errors: kUnavailable (SHARD_LOST: a peer does not answer
+  /// at this revision, and the batch is not partial), what a peer said, kInternal.
+  Status take();
+
+  /// The answers, once the batch is done.
+  const scenegraph::query::ShardMerge& answers() const { return merge_; }
+  /// Of the batch: counts of rays and hits, once it is done, and the costs of all shards.
+  scenegraph::TraceStats stats() const;
+
+ private:
+  struct Call {
+    scenegraph::query::ShardQuestion question{};
+    std::unique_ptr<grpc::ClientContext> context{};
+    v1::CastRaysRequest request{};
+    v1::CastRaysResponse reply{};
+    grpc::Status status{};
+  };
+
+  void start(Call& call);
+  void end_one();
+  bool may_be_lost(const Call& call) const;
+  Error lost(const Call& call) const;
+  Status take(const Call& call);
+  std::uint32_t budget_ms() const;
+
+  const Peers& peers_;
+  const grpc::CallbackServerContext& caller_;
+  const Query query_;
+  const v1::CastRaysRequest template_;
+  Batch batch_;
+  scenegraph::query::ShardMerge merge_;
+  scenegraph::TraceStats cost_;
+  std::vector<Call> calls_;
+  std::function<void()> answered_;
+  std::atomic<std::size_t> open_{0};  // calls, and ask()
+};
+
+}  // namespace sightline::server::shards

@@ -1,0 +1,374 @@
+// Servers that each answer for a shard of a scene, compared with one that answers for all of it.
+#include <grpcpp/client_context.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/client/support/temp_dir.h"
+#include "tests/server/replicas/replicas.h"
+#include "tests/server/updates/update_stream.h"
+#include "tests/support/random.h"
+#include "tests/support/scenes.h"
+
+namespace sightline::tests {
+namespace {
+
+using accel::geometry::Ray;
+using scenegraph::model::Affine;
+
+/// What is asked for of each kind, but WORK, which is a sum over servers.
+const std::map<v1::QueryKind, std::vector<v1::HitField>> kFields{
+    {v1::QUERY_KIND_CLOSEST,
+     {v1::HIT_FIELD_T, v1::HIT_FIELD_NODE, v1::HIT_FIELD_PRIMITIVE, v1::HIT_FIELD_BARYCENTRIC,
+      v1::HIT_FIELD_NORMAL, v1::HIT_FIELD_HIT, v1::HIT_FIELD_POSITION, v1::HIT_FIELD_NAME}},
+    {v1::QUERY_KIND_ANY, {v1::HIT_FIELD_HIT_BITS}},
+    {v1::QUERY_KIND_COUNT, {v1::HIT_FIELD_COUNT, v1::HIT_FIELD_HIT}},
+    {v1::QUERY_KIND_ALL,
+     {v1::HIT_FIELD_OFFSET, v1::HIT_FIELD_HIT, v1::HIT_FIELD_T, v1::HIT_FIELD_NODE,
+      v1::HIT_FIELD_PRIMITIVE, v1::HIT_FIELD_BARYCENTRIC, v1::HIT_FIELD_NORMAL,
+      v1::HIT_FIELD_POSITION, v1::HIT_FIELD_NAME}}};
+
+v1::CastRaysRequest cast_of(v1::QueryKind kind, std::span<const Ray> rays) {
+  v1::CastRaysRequest request = cast_request(kScene, rays);
+  request.set_kind(kind);
+  for (const v1::HitField field : kFields.at(kind)) request.add_fields(field);
+  if (kind == v1::QUERY_KIND_ALL) request.set_max_hits(6);
+  return request;
+}
+
+Affine at(double x, double y, double z) { return {{1, 0, 0, x, 0, 1, 0, y, 0, 0, 1, z}}; }
+
+class Shards : public ReplicaTest {
+ protected:
+  static constexpr std::size_t kServers = 3;
+
+  void SetUp() override {
+    ReplicaTest::SetUp();
+    if (IsSkipped()) return;
+    plain_ = start();
+  }
+
+  std::string address(std::size_t shard) const {
+    return "unix:" + sockets_.path("s" + std::to_string(shard));
+  }
+  void start_shard(std::size_t shard) {
+    servers_[shard] = start([&](server::ServerConfig& config) {
+      config.listen = address(shard);
+      config.shard_peers = address(0) + "," + address(1) + "," + address(2);
+    });
+  }
+  void start_shards() {
+    for (std::size_t i = 0; i < kServers; ++i) start_shard(i);
+  }
+  Api& api(std::size_t shard) { return servers_[shard]->api(); }
+
+  /// Spheres and cubes, some of them under a group, with names. Each has transform(i).
+  template <class Transform>
+  void make_scene(int nodes, const Transform& transform) {
+    Api& writer = plain_->api();
+    ASSERT_TRUE(writer.create(kScene).ok());
+    const std::string meshes[] = {writer.add_mesh(icosphere(2)), writer.add_mesh(cube())};
+    std::vector<v1::Update> updates{put_node(-1, {}, 0, at(0.5, 0, 0))};
+    for (int i = 0; i < nodes; ++i) {
+      updates.push_back(put_node(-2 - i, meshes[i % 2], i % 3 == 0 ? -1 : 0, transform(i)));
+      updates.back().mutable_put_node()->set_name("node " + std::to_string(i));
+    }
+    const grpc::Status applied = writer.apply(kScene, updates);
+    ASSERT_TRUE(applied.ok()) << applied.error_message();
+  }
+  void make_grid() {
+    make_scene(36, [](int i) { return at(4 * (i % 6), 4 * (i / 6), i % 4); });
+  }
+
+  /// Through the grid, in all directions; some invalid, some limited.
+  static std::vector<Ray> rays(std::size_t count = 500) {
+    Random random(17);
+    const auto point = [&] {
+      return accel::geometry::Vec3d{random.uniform(-3, 25), random.uniform(-3, 25),
+                                    random.uniform(-3, 6)};
+    };
+    std::vector<Ray> rays(count);
+    for (Ray& ray : rays) {
+      ray.origin = point();
+      ray.direction = point() - ray.origin;
+      if (random.below(3) == 0) ray.tmax = random.uniform(0, 1);
+    }
+    rays[3].direction = {};
+    rays[4].tmin = std::nan("");
+    return rays;
+  }
+
+  /// Everything but the stats and the work.
+  static std::string answer(Api& api, v1::CastRaysRequest request, const std::string& token = {}) {
+    if (!token.empty()) request.mutable_consistency()->set_at_least(token);
+    v1::CastRaysResponse reply;
+    const grpc::Status cast = api.cast(request, &reply);
+    EXPECT_TRUE(cast.ok()) << cast.error_message();
+    EXPECT_GT(reply.stats().rays(), 0u);
+    std::string counts;
+    for (const std::uint64_t count :
+         {reply.stats().rays(), reply.stats().hits(), reply.stats().invalid(),
+          reply.stats().hits_found(), reply.stats().rays_cut_off()})
+      counts += std::to_string(count) + " ";
+    reply.clear_stats();
+    return counts + reply.SerializeAsString();
+  }
+
+  void expect_as_one_server(const v1::CastRaysRequest& request, const std::string& token = {}) {
+    const std::string whole = answer(plain_->api(), request, token);
+    for (std::size_t i = 0; i < kServers; ++i)
+      EXPECT_EQ(whole, answer(api(i), request, token)) << request.kind() << " at server " << i;
+  }
+  void expect_as_one_server(std::span<const Ray> rays, const std::string& token = {}) {
+    for (const auto& [kind, fields] : kFields) expect_as_one_server(cast_of(kind, rays), token);
+  }
+
+  TempDir sockets_;
+  std::unique_ptr<ReplicaServer> plain_;
+  std::array<std::unique_ptr<ReplicaServer>, kServers> servers_;
+};
+
+TEST_F(Shards, AnswerAsOneServer) {
+  start_shards();
+  make_grid();
+  expect_as_one_server(rays());
+}
+
+TEST_F(Shards, AnswerAsOneServerWhereFacesCoincide) {
+  start_shards();
+  make_scene(12, [](int i) { return at(i % 3 == 0 ? -0.5 : 0, 0, 0); });
+  std::vector<Ray> through = rays_downward(64);
+  expect_as_one_server(through);
+  expect_as_one_server(rays());
+}
+
+TEST_F(Shards, AnswerAsOneServerAfterUpdatesAtAnyOfThem) {
+  start_shards();
+  make_grid();
+  for (std::size_t i = 0; i < 6; ++i) {
+    v1::ApplyUpdatesResponse applied;
+    ASSERT_TRUE(api(i % kServers)
+                    .apply(kScene, {move_to(2 + i, 7.0 * static_cast<double>(i))}, &applied)
+                    .ok());
+    expect_as_one_server(rays(), applied.revision().token());
+  }
+}
+
+TEST_F(Shards, AnswerAsOneServerForEachKindOfRequest) {
+  start_shards();
+  make_grid();
+  v1::CastRaysRequest request = cast_of(v1::QUERY_KIND_CLOSEST, rays());
+  request.set_root(1);
+  expect_as_one_server(request);
+  request.set_root(0);
+  request.add_exclude(1);
+  request.set_culling(v1::CULLING_BACK);
+  request.set_build(v1::BUILD_MODE_FULL);
+  expect_as_one_server(request);
+  request.mutable_rays()->clear_origins();
+  request.set_root(9999);
+  v1::CastRaysResponse reply;
+  EXPECT_EQ(reason_of(api(0).cast(request, &reply)), "COLUMN_LENGTH");
+  request = cast_of(v1::QUERY_KIND_ANY, {});
+  request.set_root(9999);
+  EXPECT_EQ(reason_of(api(0).cast(request, &reply)), "NODE_NOT_FOUND");
+
+  request = cast_of(v1::QUERY_KIND_CLOSEST, {});
+  request.clear_rays();
+  v1::RayGenerator& generator = *request.mutable_generator();
+  v1::SphericalScan& scan = *generator.mutable_scan();
+  for (const double x : {-2.0, 9.0, 1.0}) scan.add_origin(x);
+  for (const double x : {1.0, 0.0, 0.0}) scan.add_forward(x);
+  for (const double x : {0.0, 1.0, 0.0}) scan.add_left(x);
+  for (const double x : {0.0, 0.0, 1.0}) scan.add_up(x);
+  for (const double x : {-1.0, 1.0}) scan.add_azimuth(x);
+  for (const double x : {-0.5, 0.5}) scan.add_elevation(x);
+  scan.set_columns(60);
+  scan.set_rows(20);
+  expect_as_one_server(request);
+}
+
+TEST_F(Shards, StreamAllHitsInPartsAsOneServer) {
+  start_shards();
+  make_grid();
+  const auto stream = [](Api& api) {
+    grpc::ClientContext context;
+    const auto call = api.rays->StreamCastRays(&context);
+    std::array<std::string, 3> columns;
+    for (int batch = 0; batch < 2; ++batch) {
+      v1::StreamCastRaysRequest request;
+      *request.mutable_request() = cast_of(v1::QUERY_KIND_ALL, rays(300));
+      request.mutable_request()->set_max_hits(200);
+      EXPECT_TRUE(call->Write(request));
+      v1::StreamCastRaysResponse reply;
+      do {
+        if (!call->Read(&reply)) break;
+        columns[0] += column_of(reply.response(), v1::HIT_FIELD_T);
+        columns[1] += column_of(reply.response(), v1::HIT_FIELD_NODE);
+        columns[2] += column_of(reply.response(), v1::HIT_FIELD_PRIMITIVE);
+      } while (reply.response().more());
+      EXPECT_EQ(reply.response().stats().rays(), 300u);
+    }
+    call->WritesDone();
+    EXPECT_TRUE(call->Finish().ok());
+    return columns;
+  };
+  const auto whole = stream(plain_->api());
+  EXPECT_FALSE(whole[0].empty());
+  EXPECT_EQ(whole, stream(api(1))) << "parts may end at other rays";
+}
+
+TEST_F(Shards, BuildNoTreesButTheirOwn) {
+  start_shards();
+  ASSERT_TRUE(plain_->api().create(kScene).ok());
+  std::vector<v1::Update> updates;
+  for (int i = 0; i < 12; ++i) {  // each of a mesh of its own
+    const float size = 1 + 0.01F * static_cast<float>(i);
+    updates.push_back(
+        put_node(-1 - i, plain_->api().add_mesh(cube(-size, size)), 0, at(4 * i, 0, 0)));
+  }
+  ASSERT_TRUE(plain_->api().apply(kScene, updates).ok());
+  v1::CastRaysRequest request = cast_of(v1::QUERY_KIND_COUNT, rays());
+  request.set_build(v1::BUILD_MODE_FULL);
+  expect_as_one_server(request);
+  for (std::size_t i = 0; i < kServers; ++i)
+    EXPECT_EQ(api(i).stats(kScene).triangles_built(), 4 * 12u) << "a third of them";
+}
+
+TEST_F(Shards, AnswerForOneShardWhereThatIsAsked) {
+  start_shards();
+  make_grid();
+  std::vector<std::uint32_t> counts(500);
+  v1::CastRaysRequest request = cast_of(v1::QUERY_KIND_COUNT, rays());
+  v1::CastRaysResponse reply;
+  request.mutable_shard()->set_count(kServers);
+  for (std::uint32_t i = 0; i < kServers; ++i) {
+    request.mutable_shard()->set_index(i);
+    ASSERT_TRUE(api(0).cast(request, &reply).ok());
+    const auto part = column_values<std::uint32_t>(reply, v1::HIT_FIELD_COUNT);
+    for (std::size_t k = 0; k < part.size(); ++k) counts[k] += part[k];
+  }
+  request.clear_shard();
+  ASSERT_TRUE(plain_->api().cast(request, &reply).ok());
+  const auto whole = column_values<std::uint32_t>(reply, v1::HIT_FIELD_COUNT);
+  for (std::size_t k = 5; k < whole.size(); ++k) EXPECT_EQ(whole[k], counts[k]) << k;
+
+  request.mutable_shard()->set_count(kServers);
+  EXPECT_EQ(reason_of(plain_->api().cast(request, &reply)), "SHARDS_DIFFER");
+  request.mutable_shard()->set_cut(1);
+  EXPECT_EQ(reason_of(api(0).cast(request, &reply)), "SHARD_CUT_DIFFERS");
+  request.mutable_shard()->set_index(kServers);
+  EXPECT_EQ(reason_of(api(0).cast(request, &reply)), "BAD_SHARD");
+}
+
+TEST_F(Shards, ALostOneIsAnErrorOrLeavesRaysUnanswered) {
+  start_shards();
+  make_grid();
+  const std::vector<Ray> cast = rays();
+  expect_as_one_server(cast);
+  servers_[1].reset();
+  for (const auto& [kind, fields] : kFields) {
+    v1::CastRaysRequest request = cast_of(kind, cast);
+    v1::CastRaysResponse partial, whole;
+    const grpc::Status lost = api(0).cast(request, &partial);
+    EXPECT_EQ(lost.error_code(), grpc::StatusCode::UNAVAILABLE);
+    EXPECT_EQ(reason_of(lost), "SHARD_LOST");
+    request.set_allow_partial(true);
+    const grpc::Status marked = api(0).cast(request, &partial);
+    ASSERT_TRUE(marked.ok()) << marked.error_message();
+    ASSERT_TRUE(plain_->api().cast(request, &whole).ok());
+    std::uint64_t unanswered = 0;
+    const auto is_marked = [&](std::size_t ray) {
+      return (static_cast<unsigned char>(partial.unanswered()[ray / 8]) >> ray % 8 & 1) != 0;
+    };
+    ASSERT_EQ(partial.unanswered().size(), (cast.size() + 7) / 8);
+    const auto some = column_values<double>(partial, v1::HIT_FIELD_T),
+               all = column_values<double>(whole, v1::HIT_FIELD_T);
+    for (std::size_t i = 0; i < cast.size(); ++i) {
+      unanswered += is_marked(i) ? 1u : 0u;
+      if (kind != v1::QUERY_KIND_CLOSEST) continue;
+      if (is_marked(i)) {
+        EXPECT_EQ(some[i], -INFINITY);
+      } else {
+        EXPECT_TRUE(some[i] == all[i] || (std::isnan(some[i]) && std::isnan(all[i]))) << i;
+      }
+    }
+    EXPECT_GT(unanswered, 0u);
+    EXPECT_LT(unanswered, cast.size());
+    EXPECT_EQ(partial.stats().unanswered(), unanswered);
+    EXPECT_EQ(partial.stats().rays(), cast.size());
+  }
+  start_shard(1);
+  wait_until([&] {
+    v1::CastRaysResponse reply;
+    return api(0).cast(cast_of(v1::QUERY_KIND_ANY, cast), &reply).ok();
+  });
+  expect_as_one_server(cast);
+}
+
+/// Listens and says nothing.
+class MutePeer {
+ public:
+  explicit MutePeer(const std::string& path) : socket_(socket(AF_UNIX, SOCK_STREAM, 0)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::strncpy(address.sun_path, path.c_str(), sizeof(address.sun_path) - 1);
+    EXPECT_EQ(bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
+    EXPECT_EQ(listen(socket_, 8), 0);
+  }
+  MutePeer(const MutePeer&) = delete;
+  MutePeer& operator=(const MutePeer&) = delete;
+  ~MutePeer() { close(socket_); }
+
+ private:
+  const int socket_;
+};
+
+TEST_F(Shards, AMuteOneHoldsACallNoLongerThanItsCallerWaits) {
+  const MutePeer mute(sockets_.path("s2"));
+  start_shard(0);
+  start_shard(1);
+  make_grid();
+  for (int i = 0; i < 3; ++i) {
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + std::chrono::milliseconds(300));
+    v1::CastRaysResponse reply;
+    const grpc::Status cast =
+        api(0).rays->CastRays(&context, cast_of(v1::QUERY_KIND_COUNT, rays()), &reply);
+    EXPECT_NE(cast.error_code(), grpc::StatusCode::OK);
+  }
+  servers_[0].reset();  // would wait for calls that do not end
+}
+
+TEST(ShardPeers, AreCheckedAtTheStart) {
+  server::ServerConfig config = test_config();
+  const auto reason = [&](const std::string& peers) {
+    config.shard_peers = peers;
+    const Status checked = server::Server::check(config);
+    return checked.ok() ? std::string() : checked.error().reason;
+  };
+  EXPECT_EQ(reason("a:1,b:1"), "SHARDS_NEED_STORE");
+  config.store = "postgresql://u@h/d";
+  EXPECT_EQ(reason("a:1,b:1"), "");
+  EXPECT_EQ(reason("unix:/a,unix:/b"), "");
+  EXPECT_EQ(reason("a:1"), "BAD_SHARD_PEERS") << "one alone";
+  EXPECT_EQ(reason("a:1,a:1"), "BAD_SHARD_PEERS");
+  EXPECT_EQ(reason("a:1,b:0"), "BAD_SHARD_PEERS");
+  EXPECT_EQ(reason("a:1,"), "BAD_ADDRESS");
+  std::string many = "a:1";
+  for (int port = 2; port < 67; ++port) many += ",a:" + std::to_string(port);
+  EXPECT_EQ(reason(many), "BAD_SHARD_PEERS");
+}
+
+}  // namespace
+}  // namespace sightline::tests
