@@ -11,6 +11,7 @@
 #include "scenegraph/trace.h"
 #include "server/queries/batch_rays.h"
 #include "server/scenes/names.h"
+#include "server/shards/peers.h"
 
 namespace sightline::server::queries {
 namespace {
@@ -36,7 +37,18 @@ std::uint64_t bytes_of_tree(const scenegraph::instances::SceneTree& tree) {
 
 }  // namespace
 
+/// What a server prefetches it would hold beside its shard.
+Status PrefetchJob::check_alone() const {
+  if (services_.shard_peers.empty()) return {};
+  return Error{
+      Code::kUnimplemented,
+      "a server with --shard-peers does not prefetch: cast with BUILD_MODE_FULL, for which "
+      "each server builds the trees of its own shard",
+      "PREFETCH_WITH_SHARDS"};
+}
+
 Status PrefetchJob::open(const v1::PrefetchRequest& request) {
+  if (Status good = check_alone(); !good) return good;
   if (Status good = scenes::check_scene_name(request.scene()); !good) return good;
   if (Status good = check_roots(request); !good) return good;
   auto query = decode_query(query_of(request), services_.policy);

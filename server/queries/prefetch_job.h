@@ -26,7 +26,8 @@ class PrefetchJob {
   const exec::Caller& caller() const { return caller_; }
 
   /// Checks the request, takes the scene's newest revision and admits the rays. Errors:
-  /// kInvalidArgument, kNotFound; as decode_rays and Admission::admit.
+  /// kInvalidArgument, kNotFound; kUnimplemented, where servers share scenes by shards; as
+  /// decode_rays and Admission::admit.
   Status open(const v1::PrefetchRequest& request);
 
   /// Builds, in the calling thread's arena. Errors: kCancelled; kNotFound, naming a node of the
@@ -46,6 +47,7 @@ class PrefetchJob {
  private:
   using Clock = std::chrono::steady_clock;
 
+  Status check_alone() const;
   Status check_roots(const v1::PrefetchRequest& request);
   Status build();
   Status grow();

@@ -243,6 +243,13 @@ TEST_F(Shards, BuildNoTreesButTheirOwn) {
   expect_as_one_server(request);
   for (std::size_t i = 0; i < kServers; ++i)
     EXPECT_EQ(api(i).stats(kScene).triangles_built(), 4 * 12u) << "a third of them";
+  grpc::ClientContext context;
+  v1::PrefetchRequest prefetch;
+  v1::PrefetchResponse progress;
+  prefetch.set_scene(kScene);
+  const auto call = api(0).rays->Prefetch(&context, prefetch);
+  EXPECT_FALSE(call->Read(&progress));
+  EXPECT_EQ(reason_of(call->Finish()), "PREFETCH_WITH_SHARDS");
 }
 
 TEST_F(Shards, AnswerForOneShardWhereThatIsAsked) {
