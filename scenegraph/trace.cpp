@@ -71,7 +71,7 @@ Result<TraceStats> trace_blocks(const revision::Snapshot& snapshot, QueryKind ki
     return query::run_blocks(rays.size, rays_per_block, options,
                              [&](const RayBlock& block) { return answer(trees, block); });
   };
-  Result<TraceStats> traced = query::or_out_of_memory(answer_all);
+  Result<TraceStats> traced = query::or_error(answer_all);
   if (traced) *traced += *built;
   return traced;
 }

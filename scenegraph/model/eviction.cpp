@@ -33,6 +33,7 @@ std::vector<HeldTree> hold(std::span<const std::shared_ptr<const Mesh>> meshes) 
   std::vector<HeldTree> trees;
   trees.reserve(meshes.size());
   for (const auto& mesh : meshes) {
+    if (!mesh->is_resident()) continue;
     const EpochPin pin;
     const Mesh::OwnedTree now = mesh->owned_tree();
     accel::lazy::LazyTree* const tree = now.tree.lazy_tree();

@@ -1,4 +1,4 @@
-// Checking a mesh's arrays.
+// Checking a mesh's arrays, and reading them when they are needed.
 #include "scenegraph/model/mesh.h"
 
 #include <algorithm>
@@ -51,21 +51,70 @@ Mesh::Mesh(std::shared_ptr<const Arrays> arrays, const accel::mesh::MeshStats& s
            std::shared_ptr<const void> charge)
     : charge_(std::move(charge)),
       arrays_(std::move(arrays)),
+      vertices_(arrays_->vertices.size()),
+      faces_(arrays_->faces->size()),
       survey_(survey),
       builder_(builder),
       references_(references),
       tree_(new Tree(*this)) {}
 
-Mesh::~Mesh() { tree_.load(std::memory_order_acquire)->leave(); }
+Mesh::Mesh(const Mesh& surveyed, std::unique_ptr<const MeshSource> source)
+    : unread_(new Unread{std::move(source), {}}),
+      vertices_(surveyed.vertices_),
+      faces_(surveyed.faces_),
+      survey_(surveyed.survey_),
+      builder_(surveyed.builder_),
+      references_(surveyed.references_),
+      tree_(nullptr) {}
+
+Mesh::~Mesh() {
+  if (Tree* const tree = tree_.load(std::memory_order_acquire)) tree->leave();
+}
+
+std::shared_ptr<const Mesh> Mesh::unread(std::unique_ptr<const MeshSource> source) const {
+  return std::shared_ptr<const Mesh>(new Mesh(*this, std::move(source)));
+}
+
+Status Mesh::make_resident(Reclaim reclaim) const {
+  if (is_resident()) return {};
+  // Not with the lock: to reclaim memory, locks are taken that those who wait for this one may
+  // hold.
+  auto charge = unread_->source->charge(bytes(), reclaim);
+  if (!charge) return charge.error();
+  const std::lock_guard lock(unread_->reading);
+  if (is_resident()) return {};
+  const auto read = unread_->source->read();
+  if (!read) return read.error();
+  charge_ = std::move(*charge);
+  arrays_ = (*read)->arrays_;
+  tree_.store(new Tree(*this), std::memory_order_release);
+  return {};
+}
+
+void Mesh::with_arrays(const std::function<void(const accel::geometry::MeshView&)>& use) const {
+  if (is_resident()) return use(view());
+  const auto charge = unread_->source->charge(bytes(), Reclaim::kAllowed);
+  if (!charge) throw MeshUnreadable(charge.error());
+  const auto read = unread_->source->read();
+  if (!read) throw MeshUnreadable(read.error());
+  use((*read)->view());
+}
+
+Mesh::Tree& Mesh::read_tree() const {
+  if (const Status resident = make_resident(Reclaim::kAllowed); !resident)
+    throw MeshUnreadable(resident.error());
+  return *tree_.load(std::memory_order_acquire);
+}
 
 Result<std::shared_ptr<const Mesh>> Mesh::deformed(std::vector<accel::geometry::Vec3f> vertices,
                                                    std::shared_ptr<const void> charge) const {
-  if (vertices.size() != arrays_->vertices.size()) {
+  if (vertices.size() != vertices_) {
     return Error{Code::kInvalidArgument,
                  std::to_string(vertices.size()) + " vertices, but the mesh has " +
-                     std::to_string(arrays_->vertices.size()),
+                     std::to_string(vertices_),
                  "COUNT_MISMATCH"};
   }
+  if (Status resident = make_resident(Reclaim::kForbidden); !resident) return resident.error();
   auto arrays = std::make_shared<const Arrays>(std::move(vertices), arrays_->faces);
   const accel::mesh::MeshStats survey =
       accel::mesh::compute_mesh_stats({arrays->vertices, *arrays->faces});
@@ -74,16 +123,17 @@ Result<std::shared_ptr<const Mesh>> Mesh::deformed(std::vector<accel::geometry::
 }
 
 std::uint64_t Mesh::bytes_deformed() const {
-  return sizeof(Mesh) + sizeof(Tree) + sizeof(Arrays) +
-         arrays_->vertices.size() * sizeof(accel::geometry::Vec3f);
+  return sizeof(Mesh) + sizeof(Tree) + sizeof(Arrays) + vertices_ * sizeof(accel::geometry::Vec3f);
 }
 
 std::uint64_t Mesh::tree_bytes() const {
+  if (!is_resident()) return 0;
   const accel::kdtree::EpochPin pin;
   return tree().bytes();
 }
 
 std::uint64_t Mesh::drop_tree() const {
+  if (!is_resident()) return 0;
   const accel::kdtree::EpochPin pin;
   if (tree().untouched()) return 0;
   Tree* const old = tree_.exchange(new Tree(*this), std::memory_order_acq_rel);
@@ -99,8 +149,7 @@ std::uint64_t Mesh::trees_dropped() { return dropped_trees().load(std::memory_or
 void Mesh::count_dropped() { dropped_trees().fetch_add(1, std::memory_order_release); }
 
 std::uint64_t Mesh::bytes() const {
-  return arrays_->vertices.size() * sizeof(accel::geometry::Vec3f) +
-         arrays_->faces->size() * sizeof(accel::geometry::Face);
+  return vertices_ * sizeof(accel::geometry::Vec3f) + faces_ * sizeof(accel::geometry::Face);
 }
 
 }  // namespace sightline::scenegraph::model

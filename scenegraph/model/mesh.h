@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "accel/kdtree/ref_counted.h"
 #include "accel/mesh/mesh_tree.h"
 #include "accel/result.h"
+#include "scenegraph/model/mesh_source.h"
 
 namespace sightline::scenegraph::model {
 
@@ -41,38 +43,54 @@ class Mesh {
   /// as the mesh. Errors: kInvalidArgument, a count that differs.
   Result<std::shared_ptr<const Mesh>> deformed(std::vector<accel::geometry::Vec3f> vertices,
                                                std::shared_ptr<const void> charge = nullptr) const;
+
+  /// The same mesh without its arrays and its tree: `source` has them once they are needed.
+  std::shared_ptr<const Mesh> unread(std::unique_ptr<const MeshSource> source) const;
   ~Mesh();
   Mesh(const Mesh&) = delete;
   Mesh& operator=(const Mesh&) = delete;
 
+  /// Whether the arrays are in memory. They stay there from then on.
+  bool is_resident() const { return tree_.load(std::memory_order_acquire) != nullptr; }
+  /// Reads the arrays, if they are not there. Threads: any; one of them reads. Errors: as
+  /// MeshSource::charge and MeshSource::read.
+  Status make_resident(Reclaim reclaim) const;
+
+  /// Calls use() with the arrays. Those of a mesh that is not resident are read for it and not
+  /// kept; the caller holds no lock. Throws MeshUnreadable.
+  void with_arrays(const std::function<void(const accel::geometry::MeshView&)>& use) const;
+
+  /// Of a resident mesh.
   accel::geometry::MeshView view() const { return {arrays_->vertices, *arrays_->faces}; }
   /// Holds the finite triangles, closely; of positive extent, empty if there is none.
   const accel::geometry::Aabb& bounds() const { return survey_.bounds; }
-  std::uint64_t faces() const {
-    return arrays_->faces->size();
-  }  ///< Numbered slots, lines and points included.
+  std::uint64_t faces() const { return faces_; }  ///< Numbered slots, lines and points included.
   std::uint64_t triangles() const { return survey_.triangles; }  ///< Slots that hold a triangle.
   std::uint64_t nonfinite() const {
     return survey_.triangles - survey_.finite_triangles;
   }                             ///< Triangles with a NaN or infinite vertex.
   std::uint64_t bytes() const;  ///< Vertex and index arrays.
+  std::uint64_t bytes_resident() const { return is_resident() ? bytes() : 0; }
 
   /// Bytes that deformed() takes.
   std::uint64_t bytes_deformed() const;
 
   /// Grows while rays are traced; every member of the tree is safe to call from any thread. Another
-  /// tree after drop_tree(): valid while an EpochPin made before this call lives.
-  accel::mesh::MeshTree& tree() const { return tree_.load(std::memory_order_acquire)->tree; }
+  /// tree after drop_tree(): valid while an EpochPin made before this call lives. Makes the mesh
+  /// resident. Throws MeshUnreadable.
+  accel::mesh::MeshTree& tree() const { return owned_tree().tree; }
   /// The same, and what to join so that it lives longer than the pin. Not longer than the mesh.
   struct OwnedTree {
     accel::mesh::MeshTree& tree;
     accel::kdtree::RefCounted& owner;
   };
   OwnedTree owned_tree() const {
-    Tree* const now = tree_.load(std::memory_order_acquire);
+    Tree* now = tree_.load(std::memory_order_acquire);
+    if (now == nullptr) [[unlikely]]
+      now = &read_tree();
     return {now->tree, *now};
   }
-  std::uint64_t tree_bytes() const;  ///< Pins an epoch itself.
+  std::uint64_t tree_bytes() const;  ///< Pins an epoch itself. 0: not resident.
 
   /// Begins a new tree; the old one is freed when no thread reads it any more. Answers do not
   /// change. Returns the bytes of the old tree. Throws std::bad_alloc, and then nothing has
@@ -93,12 +111,22 @@ class Mesh {
     explicit Tree(const Mesh& mesh);
     accel::mesh::MeshTree tree;
   };
+  /// What is not resident is read from `source`, by one thread at a time.
+  struct Unread {
+    std::unique_ptr<const MeshSource> source;
+    std::mutex reading;
+  };
   Mesh(std::shared_ptr<const Arrays> arrays, const accel::mesh::MeshStats& survey,
        const accel::mesh::TreeBuilder& builder, accel::mesh::References references,
        std::shared_ptr<const void> charge);
+  Mesh(const Mesh& surveyed, std::unique_ptr<const MeshSource> source);
+  Tree& read_tree() const;
 
-  std::shared_ptr<const void> charge_;  // released last
-  std::shared_ptr<const Arrays> arrays_;
+  // The first two are set before tree_, and not changed while it is not null.
+  mutable std::shared_ptr<const void> charge_;  // released last
+  mutable std::shared_ptr<const Arrays> arrays_;
+  const std::unique_ptr<Unread> unread_;  // null: resident from the beginning
+  std::uint64_t vertices_ = 0, faces_ = 0;
   accel::mesh::MeshStats survey_;
   accel::mesh::TreeBuilder builder_;
   accel::mesh::References references_;

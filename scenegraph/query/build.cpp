@@ -114,8 +114,9 @@ bool is_complete(std::span<const model::Mesh* const> meshes, const instances::Op
   return std::all_of(
              trees.all().begin(), trees.all().end(),
              [](const instances::OpenTree& tree) { return tree.instances.tree().is_complete(); }) &&
-         std::all_of(meshes.begin(), meshes.end(),
-                     [](const model::Mesh* mesh) { return mesh->tree().is_complete(); });
+         std::all_of(meshes.begin(), meshes.end(), [](const model::Mesh* mesh) {
+           return mesh->is_resident() && mesh->tree().is_complete();
+         });
 }
 
 }  // namespace
@@ -135,7 +136,7 @@ Result<TraceStats> build_all(const revision::Snapshot& snapshot, const std::atom
     built += dynamic;
     return std::pair(built, dynamic);
   };
-  const auto done = or_out_of_memory(build);
+  const auto done = or_error(build);
   if (!done) return done.error();
   const auto& [built, dynamic] = *done;
   if (is_cancelled(cancelled)) return cancelled_error();
@@ -205,7 +206,7 @@ std::vector<const model::Mesh*> meshes_of(std::span<const model::Node* const> no
 
 Status build_mesh_trees(std::span<const model::Node* const> nodes, BuildProgress& progress,
                         const std::atomic<bool>* cancelled) {
-  const Status done = or_out_of_memory([&] {
+  const Status done = or_error([&] {
     build_meshes(meshes_of(nodes), cancelled, progress);
     return Status();
   });
@@ -218,7 +219,7 @@ Status build_mesh_trees(std::span<const model::Node* const> nodes, BuildProgress
 Status build_scene_tree(const revision::Snapshot& snapshot, BuildProgress& progress,
                         const std::atomic<bool>* cancelled) {
   const instances::OpenTrees trees = snapshot.trees();
-  const Status done = or_out_of_memory([&] {
+  const Status done = or_error([&] {
     build_tree(trees.static_tree(), cancelled, progress);
     build_dynamic_trees(trees, cancelled, progress);
     return Status();

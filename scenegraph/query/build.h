@@ -38,15 +38,17 @@ struct BuildProgress {
   }
 };
 
-/// What work() returns; kResourceExhausted if it throws std::bad_alloc. What was built until then
-/// remains, and the same work may succeed later.
+/// What work() returns; kResourceExhausted if it throws std::bad_alloc, and the error of
+/// model::MeshUnreadable. What was built until then remains, and the same work may succeed later.
 template <class Work>
-auto or_out_of_memory(const Work& work) -> decltype(work()) {
+auto or_error(const Work& work) -> decltype(work()) {
   try {
     return work();
   } catch (const std::bad_alloc&) {
     return Error{Code::kResourceExhausted, "no memory is left for the trees that the rays need",
                  "OUT_OF_MEMORY"};
+  } catch (const model::MeshUnreadable& thrown) {
+    return thrown.error();
   }
 }
 

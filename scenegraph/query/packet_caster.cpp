@@ -143,6 +143,10 @@ void PacketCaster::enter(const instances::Instance& instance, std::uint32_t inde
   if (!collected_.empty() && leads_) lanes = entering(index, lanes);
   if (lanes == 0) return;
   stats_.instances_entered += static_cast<std::uint64_t>(std::popcount(lanes));
+  if (lazy_.on_deferred == accel::lazy::OnDeferred::kSkip && !instance.mesh->is_resident()) {
+    saw_deferred_ |= lanes;
+    return;
+  }
   if (lazy_.on_deferred != accel::lazy::OnDeferred::kSkip &&
       !instance.entered->load(std::memory_order_relaxed))
     instance.entered->store(true, std::memory_order_relaxed);

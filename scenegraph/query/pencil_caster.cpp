@@ -67,7 +67,7 @@ PencilCaster::PencilCaster(accel::kdtree::EpochPin& pin, const instances::OpenTr
 }
 
 std::uint32_t PencilCaster::cast(std::size_t first, std::size_t count) {
-  if (only_ == nullptr) return 0;
+  if (only_ == nullptr || !only_->mesh->is_resident()) return 0;
   if (to_skip_ > 0) {
     --to_skip_;
     return 0;

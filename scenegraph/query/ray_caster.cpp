@@ -102,6 +102,10 @@ bool RayCaster::enter_frame(const instances::Instance& instance) {
 
 void RayCaster::ask_mesh(const instances::Instance& instance, TreeEntry& tree) {
   ++stats_.instances_entered;
+  if (query_.on_deferred == OnDeferred::kSkip && !instance.mesh->is_resident()) {
+    query_.saw_deferred = true;
+    return;
+  }
   if (query_.on_deferred != OnDeferred::kSkip && !instance.entered->load(std::memory_order_relaxed))
     instance.entered->store(true, std::memory_order_relaxed);
   query_.node = instance.node;

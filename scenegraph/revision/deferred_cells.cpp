@@ -72,9 +72,11 @@ void add_scene_tree(const instances::SceneTree& tree, Largest& largest) {
 
 void add_mesh(const model::Mesh& mesh, const model::Affine& world_from_local, bool entered,
               Largest& largest) {
-  const accel::kdtree::KdTree* tree = mesh.tree().kd();
+  const bool resident = mesh.is_resident();
+  const accel::kdtree::KdTree* tree = resident ? mesh.tree().kd() : nullptr;
   if (!entered || tree == nullptr) {
-    if (mesh.tree().untouched()) largest.add(mapped(world_from_local, DoubleBox(mesh.bounds())));
+    if (!resident || mesh.tree().untouched())
+      largest.add(mapped(world_from_local, DoubleBox(mesh.bounds())));
     return;
   }
   accel::kdtree::for_each_deferred_box(

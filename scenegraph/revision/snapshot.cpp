@@ -15,12 +15,13 @@ namespace {
 constexpr std::uint64_t kExactBoundsTriangles = 50'000'000;
 
 void grow_by_triangles(WorldBounds& bounds, const model::Mesh& mesh, const model::Affine& world) {
-  const accel::geometry::MeshView view = mesh.view();
-  for (std::size_t i = 0; i < view.faces.size(); ++i) {
-    if (!accel::mesh::face_bounds(view, i)) continue;
-    for (const std::uint32_t v : view.faces[i])
-      bounds.grow(world.point(accel::geometry::Vec3d(view.vertices[v])));
-  }
+  mesh.with_arrays([&](const accel::geometry::MeshView& view) {
+    for (std::size_t i = 0; i < view.faces.size(); ++i) {
+      if (!accel::mesh::face_bounds(view, i)) continue;
+      for (const std::uint32_t v : view.faces[i])
+        bounds.grow(world.point(accel::geometry::Vec3d(view.vertices[v])));
+    }
+  });
 }
 
 void grow_by_box(WorldBounds& bounds, const model::Mesh& mesh, const model::Affine& world) {
@@ -96,13 +97,17 @@ BuildSummary summarize_build(const Snapshot& snapshot) {
     if (mesh == nullptr) return;
     if (node->entered->load(std::memory_order_relaxed)) ++s.instances_entered;
     if (!seen.insert(mesh).second) return;
+    s.triangles_total += mesh->triangles();
+    if (!mesh->is_resident()) {
+      s.cells_deferred += mesh->bounds().empty() ? 0 : 1;
+      return;
+    }
     const accel::kdtree::EpochPin pin;
     const accel::kdtree::GrowthMetrics growth = mesh->tree().growth();
     s.trees_built += growth.references_built > 0 ? 1 : 0;
     s.cells_deferred += growth.cells_deferred;
     s.cells_expanded += growth.cells_built;
     s.triangles_built += growth.references_built;
-    s.triangles_total += mesh->triangles();
     s.bytes_geometry += mesh->bytes();
     s.bytes_trees += mesh->tree().bytes();
     if (const accel::kdtree::KdTree* kd = mesh->tree().kd()) {

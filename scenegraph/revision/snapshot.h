@@ -50,7 +50,7 @@ class Snapshot {
   }
 
   /// Of all finite triangles, in world space: over vertices, or over mesh boxes in very large
-  /// scenes. Computed at the first call.
+  /// scenes. Computed at the first call. Throws model::MeshUnreadable.
   const WorldBounds& bounds() const;
 
  private:

@@ -13,17 +13,45 @@ Error not_stored(const BlobDigest& digest) {
   return {Code::kNotFound, fmt::format("there is no mesh {}", digest.text()), "BLOB_NOT_STORED"};
 }
 
-Result<BlobStore::MeshPointer> read_mesh(const BlobDigest& digest, const store::BlobBytes& blob,
-                                         const accel::mesh::TreeBuilder& builder = {}) {
+}  // namespace
+
+/// Reads the mesh from disk.
+class BlobStore::Source final : public scenegraph::model::MeshSource {
+ public:
+  Source(const BlobStore& blobs, const BlobDigest& digest) : blobs_(blobs), digest_(digest) {}
+
+  Result<std::shared_ptr<const void>> charge(std::uint64_t bytes,
+                                             scenegraph::model::Reclaim reclaim) const override {
+    auto charge = reclaim == scenegraph::model::Reclaim::kAllowed
+                      ? blobs_.memory_.reclaim_and_charge_in_batch(exec::Held::kMeshes, bytes)
+                      : blobs_.memory_.charge(exec::Held::kMeshes, bytes);
+    if (!charge) return charge.error();
+    return std::shared_ptr<const void>(
+        std::make_shared<const exec::MemoryAccount::Charge>(std::move(*charge)));
+  }
+
+  Result<MeshPointer> read() const override {
+    auto mesh = blobs_.read(digest_);
+    if (mesh || mesh.error().code != Code::kNotFound) return mesh;
+    // Of an old revision, and another server has swept it.
+    return Error{Code::kOutOfRange, mesh.error().message, mesh.error().reason};
+  }
+
+ private:
+  const BlobStore& blobs_;
+  const BlobDigest digest_;
+};
+
+Result<BlobStore::MeshPointer> BlobStore::read(const BlobDigest& digest) const {
+  const auto blob = disk_->blob(digest);
+  if (!blob) return blob.error();
   MeshBlobReader reader(digest.size);
-  if (const Status read = reader.append(blob.bytes()); !read)
+  if (const Status read = reader.append((*blob)->bytes()); !read)
     return Error{Code::kDataLoss, read.error().message, "BLOB_CORRUPT"};
-  auto mesh = reader.finish(builder);
+  auto mesh = reader.finish(builder());
   if (!mesh) return Error{Code::kDataLoss, mesh.error().message, "BLOB_CORRUPT"};
   return mesh;
 }
-
-}  // namespace
 
 BlobStore::MeshPointer BlobStore::find(const BlobDigest& digest) const {
   const std::lock_guard lock(mutex_);
@@ -44,13 +72,11 @@ bool BlobStore::has(const BlobDigest& digest) const {
 Result<BlobStore::MeshPointer> BlobStore::load(const BlobDigest& digest) {
   if (auto mesh = find(digest)) return mesh;
   if (disk_ == nullptr) return not_stored(digest);
-  const auto blob = disk_->blob(digest);
-  if (!blob) return blob.error();
-  auto charge = memory_.reclaim_and_charge(exec::Held::kMeshes, digest.size);
-  if (!charge) return charge.error();
-  auto mesh = read_mesh(digest, **blob, builder());
+  const auto while_read = memory_.reclaim_and_charge(exec::Held::kMeshes, digest.size);
+  if (!while_read) return while_read.error();
+  auto mesh = read(digest);
   if (!mesh) return mesh.error();
-  return insert(digest, std::move(*mesh), std::move(*charge));
+  return insert(digest, std::move(*mesh), {});
 }
 
 Result<BlobStore::MeshPointer> BlobStore::use(const BlobDigest& digest) {
@@ -65,11 +91,11 @@ Result<BlobStore::MeshPointer> BlobStore::use(const BlobDigest& digest) {
 Result<BlobStore::MeshPointer> BlobStore::load_patched(const scenegraph::model::Mesh& base,
                                                        const BlobDigest& digest) {
   if (disk_ == nullptr) return not_stored(digest);
-  const auto blob = disk_->blob(digest);
-  if (!blob) return blob.error();
   auto charge = memory_.reclaim_and_charge(exec::Held::kPatches, base.bytes_deformed());
   if (!charge) return charge.error();
-  const auto mesh = read_mesh(digest, **blob);
+  if (Status resident = base.make_resident(scenegraph::model::Reclaim::kAllowed); !resident)
+    return resident.error();
+  const auto mesh = read(digest);
   if (!mesh) return mesh.error();
   const auto vertices = (*mesh)->view().vertices;
   return base.deformed({vertices.begin(), vertices.end()},
@@ -93,8 +119,10 @@ BlobStore::MeshPointer BlobStore::insert(const BlobDigest& digest, MeshPointer m
                                          exec::MemoryAccount::Charge charge) {
   const std::lock_guard lock(mutex_);
   const auto [kept, is_new] = meshes_.try_emplace(digest);
-  if (is_new)
+  if (is_new) {
+    if (disk_ != nullptr) mesh = mesh->unread(std::make_unique<Source>(*this, digest));
     kept->second = {std::move(mesh), std::move(charge), next_order_++, Upload::Clock::now()};
+  }
   kept->second.used = Upload::Clock::now();
   kept->second.released = false;
   return kept->second.mesh;
@@ -168,7 +196,8 @@ Result<BlobStore::MeshPointer> BlobStore::complete(const std::shared_ptr<Upload>
     erase(upload.get());
   }
   if (!made) return made;
-  auto charge = memory_.record(exec::Held::kMeshes, (*made)->bytes());
+  exec::MemoryAccount::Charge charge;
+  if (disk_ == nullptr) charge = memory_.record(exec::Held::kMeshes, (*made)->bytes());
   {
     const std::lock_guard lock(mutex_);
     quotas_.try_emplace(upload->digest(), std::move(stored));

@@ -44,7 +44,8 @@ struct UploadStatus {
   bool complete = false;
 };
 
-/// With a store, meshes are kept on disk, and those in memory are copies that can be read again.
+/// With a store, meshes are kept on disk, and their arrays are read when a ray or an update first
+/// needs them; what is always in memory is what all meshes are checked for.
 /// Threads: any, for every member. Two uploads of one digest are independent; the mesh of the first
 /// to complete is kept.
 class BlobStore {
@@ -59,8 +60,8 @@ class BlobStore {
 
   /// Whether load() finds the mesh. If so, it is neither dropped nor swept soon.
   bool has(const BlobDigest& digest) const;
-  /// The mesh; from disk if it is not in memory. Errors: kNotFound, kResourceExhausted (the memory
-  /// budget), kDataLoss (its file is corrupt).
+  /// The mesh; from disk if it is not in memory, and then read once to check it, and not resident.
+  /// Errors: kNotFound, kResourceExhausted (the memory budget), kDataLoss (its file is corrupt).
   Result<MeshPointer> load(const BlobDigest& digest);
   /// The same for a scene: when no scene has the mesh any more, it is released.
   Result<MeshPointer> use(const BlobDigest& digest);
@@ -125,11 +126,14 @@ class BlobStore {
     mutable bool released = false;                     // used by a scene, not asked for since
   };
   using PendingList = std::list<Pending>;
+  class Source;
 
   /// Of the trees of all meshes: they count in the account.
   accel::mesh::TreeBuilder builder() const { return {.memory = memory_.trees()}; }
+  /// `charge`: of a mesh that is resident. On disk it is not.
   MeshPointer insert(const BlobDigest& digest, MeshPointer mesh,
                      exec::MemoryAccount::Charge charge);
+  Result<MeshPointer> read(const BlobDigest& digest) const;
   Result<std::unique_ptr<store::BlobWriter>> writer(const BlobDigest& digest);
   PendingList::const_iterator set_aside_of(const BlobDigest& digest) const;
   Result<std::shared_ptr<Upload>> resume(const BlobDigest& digest, std::uint64_t offset);

@@ -41,6 +41,8 @@ void store(std::vector<Row>& rows, std::uint64_t offset, std::span<const std::by
 
 Status write_mesh_blob(const scenegraph::model::Mesh& mesh,
                        const std::function<Status(std::span<const std::byte>)>& part) {
+  if (Status resident = mesh.make_resident(scenegraph::model::Reclaim::kAllowed); !resident)
+    return resident;
   const accel::geometry::MeshView view = mesh.view();
   const std::uint64_t counts[2] = {view.vertices.size(), view.faces.size()};
   std::array<std::byte, kMeshBlobHeader> header{};

@@ -18,7 +18,8 @@ namespace sightline::server::blobs {
 
 inline constexpr std::size_t kMeshBlobHeader = 24;  ///< Bytes before the positions.
 
-/// Calls part() with the bytes of the mesh's blob, piece after piece. Ends with the first error.
+/// Calls part() with the bytes of the mesh's blob, piece after piece. Makes the mesh resident; the
+/// caller holds no lock. Ends with the first error.
 Status write_mesh_blob(const scenegraph::model::Mesh& mesh,
                        const std::function<Status(std::span<const std::byte>)>& part);
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <numeric>
 
 namespace sightline::server::exec {
@@ -53,6 +54,14 @@ void MemoryAccount::set_scene_trees(std::uint64_t bytes) {
 Result<MemoryAccount::Charge> MemoryAccount::reclaim_and_charge(Held kind, std::uint64_t bytes) {
   if (const Status fits = reclaim(kind, bytes); !fits) return fits.error();
   return charge(kind, bytes);
+}
+
+Result<MemoryAccount::Charge> MemoryAccount::reclaim_and_charge_in_batch(Held kind,
+                                                                         std::uint64_t bytes) {
+  if (reclaim(kind, bytes)) return record(kind, bytes);
+  const std::uint64_t held = used();
+  if (held - std::min(held, retired()) + bytes <= limit(kind)) return record(kind, bytes);
+  return over(kind, bytes);
 }
 
 Status MemoryAccount::reclaim(Held kind, std::uint64_t bytes) {

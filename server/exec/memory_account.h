@@ -87,6 +87,9 @@ class MemoryAccount {
   /// As charge(), but drops what can be made again where the bytes do not fit. May take long. The
   /// caller holds no lock.
   Result<Charge> reclaim_and_charge(Held kind, std::uint64_t bytes);
+  /// The same for a batch of rays, which keeps what is retired from being freed until it goes on:
+  /// that does not count.
+  Result<Charge> reclaim_and_charge_in_batch(Held kind, std::uint64_t bytes);
   /// Drops what can be made again until `bytes` more fit. Errors: as charge().
   Status reclaim(Held kind, std::uint64_t bytes);
   /// What the trees of meshes count their bytes in. Its limit is what all else leaves.

@@ -118,12 +118,16 @@ class Deformed {
   void operator()(const PatchVertices& patch) {
     if (patch.nodes.empty() || patch.nodes == last_) return;
     last_ = patch.nodes;
-    if (const Mesh* mesh = mesh_of(patch.nodes.front())) bytes_ += mesh->bytes_deformed();
+    const Mesh* const mesh = mesh_of(patch.nodes.front());
+    if (mesh == nullptr) return;
+    bytes_ += mesh->bytes_deformed();
+    if (!mesh->is_resident()) bytes_read_ += mesh->bytes();
   }
   void operator()(const SetTransforms&) {}
   void operator()(const DeleteNode&) {}
 
   std::uint64_t bytes() const { return bytes_; }
+  std::uint64_t bytes_read() const { return bytes_read_; }
 
  private:
   const Mesh* mesh_of(NodeRef ref) const {
@@ -136,7 +140,7 @@ class Deformed {
   const Snapshot& before_;
   std::unordered_map<NodeRef, const Mesh*> put_;
   std::vector<NodeRef> last_;
-  std::uint64_t bytes_ = 0;
+  std::uint64_t bytes_ = 0, bytes_read_ = 0;
 };
 
 bool patches(const scenegraph::model::Update& update) {
@@ -160,6 +164,7 @@ Result<Needed> needed_by(const Snapshot& before,
     Deformed deformed(before);
     for (const scenegraph::model::Update& update : updates) std::visit(deformed, update);
     needed.meshes = deformed.bytes();
+    needed.read = deformed.bytes_read();
   }
   if (needed.meshes > kMaxDeformedBytes) {
     return Error{

@@ -22,10 +22,11 @@ inline constexpr std::uint64_t kMaxDeformedBytes = std::uint64_t{1} << 30;
 /// What a batch takes from the memory account.
 struct Needed {
   std::uint64_t meshes = 0;  ///< Bytes of the meshes that its patches make.
+  std::uint64_t read = 0;    ///< Of the meshes that its patches need and are not resident.
   std::uint64_t nodes = 0;   ///< Of the nodes that it puts.
   std::uint64_t log = 0;     ///< Of the updates; 0 if they only delete.
 
-  std::uint64_t bytes() const { return meshes + nodes + log; }
+  std::uint64_t bytes() const { return meshes + read + nodes + log; }
 };
 
 /// What `updates` need. A mesh counts again for each patch whose nodes differ from those of the

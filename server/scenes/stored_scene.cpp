@@ -27,13 +27,18 @@ Result<std::shared_ptr<const scenegraph::revision::Snapshot>> StoredScene::at(
                "REVISION_NOT_KEPT"};
 }
 
-scenegraph::revision::SceneSummary StoredScene::summary() {
+Result<scenegraph::revision::SceneSummary> StoredScene::summary() {
   const auto snapshot = scene_.snapshot();
   {
     const std::lock_guard lock(summary_mutex_);
     if (summarized_revision_ == snapshot->revision()) return summary_;
   }
-  const auto summary = scenegraph::revision::summarize(*snapshot);
+  scenegraph::revision::SceneSummary summary;
+  try {
+    summary = scenegraph::revision::summarize(*snapshot);
+  } catch (const scenegraph::model::MeshUnreadable& thrown) {
+    return thrown.error();
+  }
   const std::lock_guard lock(summary_mutex_);
   summarized_revision_ = summary.revision;
   summary_ = summary;

@@ -90,8 +90,9 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   scenegraph::SceneState state() const { return scene_.state(); }
   /// Errors: kOutOfRange, naming the oldest revision that is kept and the newest.
   Result<std::shared_ptr<const scenegraph::revision::Snapshot>> at(std::uint64_t revision) const;
-  /// Summary of the newest revision. Walks the scene once per revision.
-  scenegraph::revision::SceneSummary summary();
+  /// Summary of the newest revision. Walks the scene once per revision. Errors: as
+  /// scenegraph::model::MeshSource::charge and read.
+  Result<scenegraph::revision::SceneSummary> summary();
 
   exec::Strand& write_queue() { return write_queue_; }
 

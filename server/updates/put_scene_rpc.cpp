@@ -131,14 +131,15 @@ class PutSceneCall final : public grpc::ServerReadReactor<v1::PutSceneRequest> {
     const auto applied = scene_.draft->apply(std::move(scene_.nodes), services_.compute);
     if (!applied) return applied.error();
     scene_.draft->drop_old_revisions();
-    const scenegraph::revision::SceneSummary summary = scene_.draft->summary();
+    const auto summary = scene_.draft->summary();
+    if (!summary) return summary.error();
     const auto scene = services_.scenes.put(scene_.draft, scene_.replace);
     if (!scene) return scene.error();
     spdlog::info("event=scene_put scene={} nodes={} replace={}{}", (*scene)->info().name, nodes,
                  scene_.replace, exec::request_id_of(context_));
     // It is made: if it cannot be read back now, its first reader is told why.
     static_cast<void>((*scene)->load(services_.compute));
-    encode_scene((*scene)->info(), (*scene)->token(summary.revision), summary,
+    encode_scene((*scene)->info(), (*scene)->token(summary->revision), *summary,
                  *reply_.mutable_scene());
     return {};
   }

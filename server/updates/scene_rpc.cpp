@@ -28,17 +28,21 @@
 namespace sightline::server::updates {
 namespace {
 
-void encode(scenes::StoredScene& scene, v1::Scene& out) {
-  const scenegraph::revision::SceneSummary summary = scene.summary();
-  encode_scene(scene.info(), scene.token(summary.revision), summary, out);
+Status encode(scenes::StoredScene& scene, v1::Scene& out) {
+  const auto summary = scene.summary();
+  if (!summary) return summary.error();
+  encode_scene(scene.info(), scene.token(summary->revision), *summary, out);
+  return {};
 }
 
-/// A list loads no scene: there may be more than fit in memory.
+/// A list loads no scene: there may be more than fit in memory. Nor does one that cannot be read
+/// hide the others.
 void encode_listed(scenes::StoredScene& scene, v1::Scene& out) {
   const std::optional<std::uint64_t> unread = scene.unread();
-  if (!unread) return encode(scene, out);
+  if (!unread && encode(scene, out)) return;
   encode_info(scene.info(), out);
-  encode_revision(scene.token(*unread), *out.mutable_head());
+  encode_revision(scene.token(unread ? *unread : scene.snapshot()->revision()),
+                  *out.mutable_head());
   out.set_unread(true);
 }
 
@@ -130,7 +134,7 @@ Status SceneRpc::create(const grpc::ServerContextBase& context,
   if (!info) return info.error();
   const auto scene = services_.scenes.create(std::move(*info));
   if (!scene) return scene.error();
-  encode(**scene, *reply.mutable_scene());
+  if (Status encoded = encode(**scene, *reply.mutable_scene()); !encoded) return encoded;
   spdlog::info("event=scene_created scene={}{}", (*scene)->info().name,
                exec::request_id_of(context));
   return {};
@@ -139,8 +143,7 @@ Status SceneRpc::create(const grpc::ServerContextBase& context,
 Status SceneRpc::get(const v1::GetSceneRequest& request, v1::GetSceneResponse& reply) {
   const auto scene = services_.find_loaded(request.name());
   if (!scene) return scene.error();
-  encode(**scene, *reply.mutable_scene());
-  return {};
+  return encode(**scene, *reply.mutable_scene());
 }
 
 Status SceneRpc::list(const grpc::CallbackServerContext& context,

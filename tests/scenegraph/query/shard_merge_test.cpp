@@ -234,18 +234,18 @@ SnapshotPointer three_cubes() {
 }
 
 /// Through all cubes; through the first to the right; over all; through the last alone.
-const std::vector<Ray> kRays{{.origin = {-5, 0.1, 0.2}, .direction = {1, 0, 0}},
-                             {.origin = {5, 0.1, 0.2}, .direction = {1, 0, 0}},
-                             {.origin = {-5, 5, 0}, .direction = {1, 0, 0}},
-                             {.origin = {20.3, 0.1, 5}, .direction = {0, 0, -1}}};
+const std::vector<Ray> kThroughCubes{{.origin = {-5, 0.1, 0.2}, .direction = {1, 0, 0}},
+                                     {.origin = {5, 0.1, 0.2}, .direction = {1, 0, 0}},
+                                     {.origin = {-5, 5, 0}, .direction = {1, 0, 0}},
+                                     {.origin = {20.3, 0.1, 5}, .direction = {0, 0, -1}}};
 
 TEST(ShardMerge, AsksForNoMoreThanRaysNeed) {
   Shards shards(three_cubes(), 3);
-  static_cast<void>(shards.ask(QueryKind::kClosest, kRays, {}));
+  static_cast<void>(shards.ask(QueryKind::kClosest, kThroughCubes, {}));
   EXPECT_EQ(shards.questions(), 3u) << "the nearest cube of each";
-  static_cast<void>(shards.ask(QueryKind::kAny, kRays, {}));
+  static_cast<void>(shards.ask(QueryKind::kAny, kThroughCubes, {}));
   EXPECT_EQ(shards.questions(), 6u);
-  static_cast<void>(shards.ask(QueryKind::kCount, kRays, {}));
+  static_cast<void>(shards.ask(QueryKind::kCount, kThroughCubes, {}));
   EXPECT_EQ(shards.questions(), 12u) << "3 + 2 + 0 + 1";
 }
 
@@ -264,24 +264,24 @@ TEST(ShardMerge, LeavesRaysUnansweredThatALostShardCouldChange) {
   using enum HitState;
   Shards shards(three_cubes(), 3);
   const IsLost second = [](std::uint32_t shard) { return shard == 1; };
-  const ShardMerge closest = shards.ask(QueryKind::kClosest, kRays, {}, second);
+  const ShardMerge closest = shards.ask(QueryKind::kClosest, kThroughCubes, {}, second);
   EXPECT_EQ(states(closest.hits()), (std::vector{kHit, kUnanswered, kMiss, kHit}));
   EXPECT_EQ(closest.hits()[1].t, -accel::geometry::kInfinity);
   EXPECT_EQ(closest.hits()[1].node, 0u);
   EXPECT_EQ(closest.stats().unanswered, 1u);
   EXPECT_EQ(closest.stats().rays, 3u);
   EXPECT_EQ(closest.stats().hits, 2u);
-  const ShardMerge any = shards.ask(QueryKind::kAny, kRays, {}, second);
+  const ShardMerge any = shards.ask(QueryKind::kAny, kThroughCubes, {}, second);
   EXPECT_EQ(states(any.hits()), (std::vector{kHit, kHit, kMiss, kHit})) << "another one has a hit";
-  const ShardMerge count = shards.ask(QueryKind::kCount, kRays, {}, second);
+  const ShardMerge count = shards.ask(QueryKind::kCount, kThroughCubes, {}, second);
   EXPECT_EQ(states(count.tallies()), (std::vector{kUnanswered, kUnanswered, kMiss, kHit}));
   EXPECT_EQ(count.tallies()[0].count, kUnansweredCount);
-  const ShardMerge all = shards.ask(QueryKind::kAll, kRays, {}, second);
+  const ShardMerge all = shards.ask(QueryKind::kAll, kThroughCubes, {}, second);
   EXPECT_EQ(states(all.tallies()), (std::vector{kUnanswered, kUnanswered, kMiss, kHit}));
   EXPECT_EQ(all.listed().size(), 2u);
   EXPECT_EQ(all.stats().hits_found, 2u);
   const ShardMerge none =
-      shards.ask(QueryKind::kAny, kRays, {}, [](std::uint32_t) { return true; });
+      shards.ask(QueryKind::kAny, kThroughCubes, {}, [](std::uint32_t) { return true; });
   EXPECT_EQ(states(none.hits()), (std::vector{kUnanswered, kUnanswered, kMiss, kUnanswered}));
 }
 

@@ -79,6 +79,20 @@ TEST(MemoryAccount, CallsHaveAPartForThemselves) {
   EXPECT_FALSE(memory.charge(Held::kCalls, 1));
 }
 
+TEST(MemoryAccount, WhatIsRetiredDoesNotCountForABatch) {
+  using accel::kdtree::TreeBytes;
+  MemoryAccount memory(1000);
+  memory.trees()->add(TreeBytes::kLists, 900);
+  memory.set_reclaim(
+      [&](std::uint64_t) { memory.trees()->move(TreeBytes::kLists, TreeBytes::kRetired, 300); });
+  EXPECT_FALSE(memory.reclaim_and_charge(Held::kMeshes, 400));
+  EXPECT_TRUE(memory.reclaim_and_charge_in_batch(Held::kMeshes, 400));
+  const auto mesh = memory.reclaim_and_charge_in_batch(Held::kMeshes, 600);
+  EXPECT_TRUE(mesh);
+  memory.set_reclaim({});
+  EXPECT_FALSE(memory.reclaim_and_charge_in_batch(Held::kMeshes, 500));
+}
+
 TEST(MemoryAccount, ReclaimsOnlyWhereItIsNeededAndCanHelp) {
   MemoryAccount memory(1000);
   auto droppable = memory.record(Held::kTrees, 0);

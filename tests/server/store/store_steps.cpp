@@ -6,20 +6,14 @@
 #include <future>
 #include <utility>
 
+#include "tests/server/blobs/blob_of.h"
+
 namespace sightline::tests {
 
 using server::blobs::BlobDigest;
 using server::store::Batch;
 using server::store::SceneId;
 using server::store::Store;
-
-namespace {
-
-std::span<const std::byte> bytes_of(const std::string& text) {
-  return std::as_bytes(std::span(text));
-}
-
-}  // namespace
 
 std::string blob_bytes(int number, std::size_t size) {
   std::string bytes = std::to_string(number) + ":";
