@@ -53,8 +53,8 @@ struct BasicHitColumns {
   Span<std::uint32_t> count{};  ///< (n) distinct hits; kInvalidCount: a bad ray; kUnansweredCount
   /// (bits_bytes(n)) for kAny: bit i % 8 of byte i / 8 is 1 where ray i hits; a bad ray has 0
   Span<std::uint8_t> hit_bits{};
-  /// (bits_bytes(n)) bit i % 8 of byte i / 8 is 1 where CastOptions::time_budget left ray i without
-  /// an answer. In an answer empty if all rays have one
+  /// (bits_bytes(n)) bit i % 8 of byte i / 8 is 1 where ray i has no answer, by
+  /// CastOptions::time_budget or allow_partial. In an answer empty if all rays have one
   Span<std::uint8_t> unanswered{};
   Span<double> position{};  ///< (n, 3) where the ray hits, in world space; NaN without a hit
   /// (n) the name of the node, "" without a hit; in an answer its row in HitView::names
@@ -72,9 +72,9 @@ struct HitView : BasicHitColumns<true> {
 /// A value of `hit` in a cast of all hits: the ray has more than max_hits hits, and the nearest are
 /// here.
 inline constexpr std::uint8_t kCutOff = 3;
-/// A value of `hit`: there was no time for the ray.
+/// A value of `hit`: there was no time for the ray, or a server that it needs is lost.
 inline constexpr std::uint8_t kUnanswered = 4;
-/// Values of `count`: a bad ray, and one for which there was no time.
+/// Values of `count`: a bad ray, and one without an answer.
 inline constexpr std::uint32_t kInvalidCount = 0xffffffff;
 inline constexpr std::uint32_t kUnansweredCount = kInvalidCount - 1;
 /// A bit of `work`: the ray met a cell that is not built.
@@ -132,13 +132,16 @@ struct CastOptions {
   /// are marked, and CastReport counts them. What was built for them stays: the next cast goes on
   /// from there. 0: no bound.
   std::chrono::milliseconds time_budget{0};
+  /// Where servers answer for parts of the scene and one of them does not: rays whose answers it
+  /// could change are marked, too, and the cast succeeds. Otherwise it fails with kUnavailable.
+  bool allow_partial = false;
   /// The revision that answers.
   Consistency consistency{};
-  /// Cancels the cast, which then fails with kCancelled.
   /// For balancers that keep each part of a scene on a server of its own, as they keep scenes
   /// apart: equal keys go to the same server. For example, where the sensor is, in coarse steps.
   /// Visible ASCII; empty: all of the scene is one part.
   std::string route_key{};
+  /// Cancels the cast, which then fails with kCancelled.
   std::stop_token stop{};
 };
 
@@ -149,7 +152,7 @@ struct CastReport {
   std::uint64_t rays = 0;
   std::uint64_t hits = 0;  ///< rays with a hit, for every kind
   std::uint64_t invalid = 0;
-  std::uint64_t unanswered = 0;    ///< of the rays; see CastOptions::time_budget
+  std::uint64_t unanswered = 0;    ///< of the rays; CastOptions::time_budget, allow_partial
   std::uint64_t hits_found = 0;    ///< kCount: the sum of the counts; kAll: the hits listed
   std::uint64_t rays_cut_off = 0;  ///< kAll: rays with more than max_hits hits
   std::uint64_t traversal_steps = 0;

@@ -111,8 +111,8 @@ class Answers {
   }
 
  private:
-  /// Parts depend on the hits alone, so that they come again as they were, unless a time budget has
-  /// left rays without an answer.
+  /// Parts depend on the hits alone, so that they come again as they were, unless rays are left
+  /// without an answer.
   Status take(std::size_t count, const HitView& hits) {
     const std::size_t begin = std::exchange(seen_, seen_ + count);
     if (seen_ <= answered_ && count > 0) return {};

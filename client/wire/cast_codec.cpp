@@ -142,6 +142,7 @@ void describe(const std::string& scene, HitFields fields, const CastOptions& opt
   request.mutable_exclude()->Assign(options.exclude.begin(), options.exclude.end());
   request.set_max_hits(options.max_hits);
   request.set_time_budget_ms(milliseconds_of(options.time_budget));
+  request.set_allow_partial(options.allow_partial);
   *request.mutable_consistency() = encode(options.consistency);
   // Without any field the server would send its default fields.
   if (options.kind == QueryKind::kAll) fields.hit = true;

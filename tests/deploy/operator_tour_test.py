@@ -16,19 +16,10 @@ import tempfile
 import urllib.request
 
 from operator_files import needs
+from own_credentials import make_credentials, shell
 
 RAYS = "".join(f"{x / 10},0.3,10,0,0,-1\n" for x in range(-9, 10))
 QUAD = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3\nf 1 3 4\n"
-
-
-def shell(folder, command, stdin="", fails=False):
-    """Runs a command as an operator types it, and prints it with its output. Returns the output."""
-    print(f"$ {command}", flush=True)
-    done = subprocess.run(command, shell=True, cwd=folder, input=stdin, text=True, capture_output=True, check=False)
-    print(done.stdout + done.stderr, end="", flush=True)
-    if (done.returncode != 0) != fails:
-        sys.exit(f"failed: exit code {done.returncode}")
-    return done.stdout
 
 
 @contextlib.contextmanager
@@ -67,19 +58,6 @@ def scrape(url):
     print("\n".join(found))
     if not any(line.startswith('rays_total{kind="closest"} 19') for line in found):
         sys.exit("failed: the rays were not counted")
-
-
-def make_credentials(folder):
-    shell(folder, "openssl req -x509 -newkey ed25519 -nodes -subj '/CN=Own CA' -days 30 -keyout ca.key -out ca.pem 2>/dev/null")
-    shell(folder, "openssl req -newkey ed25519 -nodes -subj /CN=localhost -keyout server.key -out server.csr 2>/dev/null")
-    shell(folder, "printf 'subjectAltName=DNS:localhost,IP:127.0.0.1' > names && openssl x509 -req -in server.csr -CA ca.pem "
-                  "-CAkey ca.key -days 30 -extfile names -out server.pem 2>/dev/null")
-    for name, role in (("operator", "admin"), ("reader", "read")):
-        shell(folder, f"openssl rand -hex 32 > {name}.token")
-        digest = shell(folder, f"tr -d '\\n' < {name}.token | openssl dgst -sha256 -r | cut -d' ' -f1").strip()
-        with (folder / "tokens.toml").open("a") as tokens:
-            tokens.write(f'[[token]]\nname = "{name}"\nsha256 = "{digest}"\nrole = "{role}"\nscenes = [""]\n')
-    shell(folder, "cat tokens.toml")
 
 
 def tour(folder, sightlined, sightline):

@@ -75,6 +75,11 @@ class CastTest(ServerTest):
             with self.assertRaisesRegex(ValueError, "time_budget"):
                 self.scene.cast(self.rays, time_budget=wrong)
 
+    def test_allow_partial_where_nothing_is_lost(self):
+        hits = self.scene.cast(self.rays, allow_partial=True)
+        self.assertFalse(hits.unanswered.any())
+        self.check(hits)
+
     def test_any_type_and_shape(self):
         for table in (self.rays.tolist(), np.asfortranarray(self.rays), self.rays.astype(">f8"),
                       self.rays.astype("longdouble"), np.repeat(self.rays, 2, axis=0)[::2], self.rays[::-1][::-1]):

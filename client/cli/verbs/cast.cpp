@@ -34,6 +34,7 @@ struct CastArguments {
   std::vector<std::string> exclude;
   std::uint32_t max_hits = 0;
   std::uint32_t time_budget_ms = 0;
+  bool allow_partial = false;
   Consistency consistency;
 };
 
@@ -86,6 +87,7 @@ Result<CastFileRequest> request_of(const Client& client, const CastArguments& ar
   if (!arguments.cull.empty()) options.culling = kCullings.at(arguments.cull);
   options.max_hits = arguments.max_hits;
   options.time_budget = std::chrono::milliseconds(arguments.time_budget_ms);
+  options.allow_partial = arguments.allow_partial;
   const auto root = resolve_node(client, arguments.scene, arguments.under);
   if (!root) return root.error();
   auto excluded = resolve_nodes(client, arguments.scene, arguments.exclude);
@@ -158,13 +160,13 @@ a row a ray; --kind all has a row a hit, nearest first, none for a miss, and one
 ray that cannot be cast, or t = -inf for one without an answer.
   ray        u8  number of the ray, from 0 (--kind all)
   t          f8  in lengths of the direction; inf: a miss, nan: a ray that cannot be cast, -inf: a ray without an
-                 answer, since --time-budget was too short; in JSON all three are null
+                 answer (--time-budget, --allow-partial); in JSON all three are null
   node       u8  0: a miss
   primitive  u4  the face's number in its mesh
   u v        f4  weights of vertices 1 and 2
   nx ny nz   f4  unit normal in scene coordinates
   hit        u1  0 miss, 1 hit, 2 a ray that cannot be cast (all that --kind any answers);
-                 3 hit, and there are more than --max-hits; 4 no answer, since --time-budget was too short
+                 3 hit, and there are more than --max-hits; 4 no answer (--time-budget, --allow-partial)
   work       u4  steps and triangle tests, only if asked for
   count      u4  hits of the ray (all that --kind count answers); 4294967295: cannot be cast; 4294967294: no answer
 
@@ -233,6 +235,9 @@ void add_cast_verb(CLI::App& program, Session& session) {
                   "(default: no bound)")
       ->check(CLI::PositiveNumber.description(""))
       ->type_name("MS");
+  verb.add_flag("--allow-partial", arguments->allow_partial,
+                "If one of several servers that share the scene is lost, rays that need it are "
+                "marked, and the exit code is 5 (default: the cast fails)");
   add_consistency_flags(verb, arguments->consistency);
   verb.footer(kCastFooter);
   verb.callback([&session, arguments] { session.exit = run(session, *arguments); });

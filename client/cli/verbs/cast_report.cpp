@@ -46,7 +46,7 @@ void warn_of_cuts(const CastReport& cast) {
 void warn_of_unanswered(const CastReport& cast) {
   if (cast.unanswered == 0) return;
   print_warning(
-      fmt::format("{} of {} rays have no answer, since --time-budget was too short; what was "
+      fmt::format("{} of {} rays have no answer: there was no time, or a server is lost; what was "
                   "built for them stays: cast again to go on from there",
                   format_count(cast.unanswered), format_count(cast.rays)));
 }

@@ -57,7 +57,7 @@ class Query(NamedTuple):
 
 def describe(scene: str, kind: str, fields: "Optional[Iterable[str]]", build: "Optional[str]", cull: "Optional[str]",
              under: int, exclude: "Iterable[int]", max_hits: int, at_least: "Optional[str]",
-             revision: "Optional[int]", time_budget: "Optional[float]" = None) -> Query:
+             revision: "Optional[int]", time_budget: "Optional[float]" = None, allow_partial: bool = False) -> Query:
     """ValueError: an unknown word, a field that the kind does not have, or a time budget that is not above 0."""
     if kind not in _ALWAYS:
         raise ValueError(f"kind is {_words(_ALWAYS)}, not {kind!r}")
@@ -75,7 +75,8 @@ def describe(scene: str, kind: str, fields: "Optional[Iterable[str]]", build: "O
     request = _proto.CastRaysRequest(
         scene=scene, kind=_proto.enum_value(f"QUERY_KIND_{kind.upper()}"),
         build=_proto.enum_value(f"BUILD_MODE_{_BUILD[build]}"),
-        culling=_proto.enum_value(f"CULLING_{_CULLING[cull]}"), root=under, exclude=list(exclude), max_hits=max_hits)
+        culling=_proto.enum_value(f"CULLING_{_CULLING[cull]}"), root=under, exclude=list(exclude), max_hits=max_hits,
+        allow_partial=allow_partial)
     columns = tuple(dict.fromkeys((*_ALWAYS[kind], *named)))
     if kind == "closest" and "t" not in columns:
         columns = (*columns, *(() if "hit" in columns else ("hit",)))  # it tells hits, misses and invalid rays apart

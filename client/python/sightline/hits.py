@@ -129,7 +129,7 @@ class Hits(_Answer):
 
     @property
     def unanswered(self) -> np.ndarray:
-        """bool: whether `time_budget` was too short for the ray."""
+        """bool: whether the ray has no answer: `time_budget`, `allow_partial` of Scene.cast."""
         return self._shaped(self._status() == _UNANSWERED)
 
     def _status(self) -> np.ndarray:
@@ -205,7 +205,7 @@ class AllHits(_Answer):
 
     @property
     def unanswered(self) -> np.ndarray:
-        """bool, with the leading shape of the rays: whether `time_budget` was too short for the ray."""
+        """bool, with the leading shape of the rays: whether the ray has no answer: `time_budget`, `allow_partial` of Scene.cast."""
         return (self._column("hit") == _UNANSWERED).reshape(self.shape)
 
     @property

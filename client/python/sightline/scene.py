@@ -91,7 +91,7 @@ class Scene:
              exclude: Iterable[AnyNode] = (), max_hits: int = 0, at_least: Optional[str] = None,
              revision: Optional[int] = None, timeout: Optional[float] = None,
              progress: Union[bool, Callable[[int, Optional[int]], Any]] = False,
-             time_budget: Optional[float] = None) -> Any:
+             time_budget: Optional[float] = None, allow_partial: bool = False) -> Any:
         """What rays hit.
 
         rays: real (..., 6), ox oy oz dx dy dz, or (..., 8), and tmin tmax; or origins and directions (..., 3), and
@@ -108,7 +108,9 @@ class Scene:
         and those under them do not. max_hits: for "all", the nearest of a ray; 0: 256.
         at_least: a token, of hits or of an update, that the answer must not be older than; revision: answer at it.
         time_budget: seconds for the cast on the server; rays without an answer by then are marked (`unanswered`), and
-        casting them again goes on from there, since what was built stays. timeout: seconds. progress: True (a bar by tqdm, if installed) or a function of (done, total).
+        casting them again goes on from there, since what was built stays. allow_partial: if one of several servers that
+        share the scene is lost, rays that need it are marked likewise, and the cast does not fail.
+        timeout: seconds. progress: True (a bar by tqdm, if installed) or a function of (done, total).
 
         Returns Hits, or AllHits for "all", with the leading shape of the rays. Errors: TypeError, ValueError (rays or
         words of another form), OutOfRange (the revision is not kept), DeadlineExceeded, ResourceExhausted (the server
@@ -116,7 +118,7 @@ class Scene:
         as invalid, and fails nothing.
         """
         query = _query.describe(self.name, kind, fields, build, cull, updates.ids([under])[0], updates.ids(exclude),
-                                max_hits, at_least, revision, time_budget)
+                                max_hits, at_least, revision, time_budget, allow_partial)
         limit = self.client.max_rays_per_request()
         if hasattr(rays, "__next__"):
             return self._cast_iterator(limit, query, rays, timeout, progress)

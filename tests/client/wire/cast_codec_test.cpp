@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -21,6 +22,17 @@ TEST(CastCodec, ARequestSaysHowManyRaysItsColumnsHold) {
   EXPECT_EQ(rays.count(), 7U);
   EXPECT_TRUE(rays.float64());
   EXPECT_EQ(rays.tmin().size(), 7 * sizeof(double));
+}
+
+TEST(CastCodec, ARequestSaysWhetherItMayBeAnsweredInPart) {
+  v1::CastRaysRequest request;
+  describe("projects/p/scenes/s", {.t = true}, {}, request);
+  EXPECT_FALSE(request.allow_partial());
+  EXPECT_EQ(request.time_budget_ms(), 0U);
+  describe("projects/p/scenes/s", {.t = true},
+           {.time_budget = std::chrono::milliseconds(1), .allow_partial = true}, request);
+  EXPECT_TRUE(request.allow_partial());
+  EXPECT_EQ(request.time_budget_ms(), 1U);
 }
 
 v1::CastRaysResponse reply_with_names(const std::vector<std::uint32_t>& rows) {
