@@ -114,7 +114,8 @@ Result<std::shared_ptr<const Mesh>> Mesh::deformed(std::vector<accel::geometry::
                      std::to_string(vertices_),
                  "COUNT_MISMATCH"};
   }
-  if (Status resident = make_resident(Reclaim::kForbidden); !resident) return resident.error();
+  if (const Status resident = make_resident(Reclaim::kForbidden); !resident)
+    return resident.error();
   auto arrays = std::make_shared<const Arrays>(std::move(vertices), arrays_->faces);
   const accel::mesh::MeshStats survey =
       accel::mesh::compute_mesh_stats({arrays->vertices, *arrays->faces});

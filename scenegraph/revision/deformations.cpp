@@ -47,7 +47,7 @@ Result<Deformations::Deformation*> Deformations::deformation_of(
   }
   if (known != nullptr && known->nodes == ids) return known.get();
   // Under the lock of the scene's writer.
-  if (Status resident = one.mesh->make_resident(model::Reclaim::kForbidden); !resident)
+  if (const Status resident = one.mesh->make_resident(model::Reclaim::kForbidden); !resident)
     return resident.error();
   auto fresh = std::make_shared<Deformation>();
   fresh->mesh = one.mesh;

@@ -93,7 +93,7 @@ Result<BlobStore::MeshPointer> BlobStore::load_patched(const scenegraph::model::
   if (disk_ == nullptr) return not_stored(digest);
   auto charge = memory_.reclaim_and_charge(exec::Held::kPatches, base.bytes_deformed());
   if (!charge) return charge.error();
-  if (Status resident = base.make_resident(scenegraph::model::Reclaim::kAllowed); !resident)
+  if (const Status resident = base.make_resident(scenegraph::model::Reclaim::kAllowed); !resident)
     return resident.error();
   const auto mesh = read(digest);
   if (!mesh) return mesh.error();

@@ -30,7 +30,7 @@ Status CastJob::open(const v1::CastRaysRequest& request) {
   if (Status good = scenes::check_scene_name(request.scene()); !good) return good;
   auto query = decode_query(request, services_.policy);
   if (!query) return query.error();
-  if (const Status good = check_shard(*query); !good) return good;
+  if (Status good = check_shard(*query); !good) return good;
   auto scene = services_.find_for_read(request.scene(), request.consistency());
   if (!scene) return scene.error();
   query_ = std::move(*query);
