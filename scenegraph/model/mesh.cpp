@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <tbb/task_arena.h>
+
 namespace sightline::scenegraph::model {
 namespace {
 
@@ -13,6 +15,12 @@ Error bad_index(const accel::geometry::Face& face, std::size_t i, std::size_t ve
           "face " + std::to_string(i) + " has vertex index " + std::to_string(worst) +
               ", but the mesh has " + std::to_string(vertices) + " vertices",
           "INDEX_OUT_OF_RANGE"};
+}
+
+/// A thread that waits for others in here begins nothing of its arena meanwhile, such as a ray that
+/// would wait for this reading.
+Result<std::shared_ptr<const Mesh>> read_isolated(const MeshSource& source) {
+  return tbb::this_task_arena::isolate([&] { return source.read(); });
 }
 
 std::atomic<std::uint64_t>& dropped_trees() {
@@ -83,7 +91,7 @@ Status Mesh::make_resident(Reclaim reclaim) const {
   if (!charge) return charge.error();
   const std::lock_guard lock(unread_->reading);
   if (is_resident()) return {};
-  const auto read = unread_->source->read();
+  const auto read = read_isolated(*unread_->source);
   if (!read) return read.error();
   charge_ = std::move(*charge);
   arrays_ = (*read)->arrays_;
@@ -95,7 +103,7 @@ void Mesh::with_arrays(const std::function<void(const accel::geometry::MeshView&
   if (is_resident()) return use(view());
   const auto charge = unread_->source->charge(bytes(), Reclaim::kAllowed);
   if (!charge) throw MeshUnreadable(charge.error());
-  const auto read = unread_->source->read();
+  const auto read = read_isolated(*unread_->source);
   if (!read) throw MeshUnreadable(read.error());
   use((*read)->view());
 }

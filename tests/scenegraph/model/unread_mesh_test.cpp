@@ -1,7 +1,9 @@
 // Meshes whose arrays are read when a ray, a build or an update first needs them.
 #include <gtest/gtest.h>
 
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <atomic>
 #include <optional>
@@ -30,6 +32,11 @@ struct Asked {
   std::optional<Error> charge_error, read_error;
 };
 
+void work_a_little() {
+  std::atomic<int> sum{0};
+  for (int i = 0; i < 100'000; ++i) sum += i;
+}
+
 class TestSource final : public MeshSource {
  public:
   TestSource(std::shared_ptr<const Mesh> mesh, Asked& asked)
@@ -47,6 +54,8 @@ class TestSource final : public MeshSource {
   Result<std::shared_ptr<const Mesh>> read() const override {
     if (asked_.read_error) return *asked_.read_error;
     ++asked_.reads;
+    // A thread that waits here for others must not begin casts meanwhile, which would wait for it.
+    tbb::parallel_for(0, 32, [](int) { work_a_little(); });
     return mesh_;
   }
 
@@ -160,10 +169,15 @@ TEST_F(UnreadMesh, AnswersAsOneThatWasAlwaysThere) {
 }
 
 TEST_F(UnreadMesh, IsReadOnceWhereManyRaysEnterItAtTheSameTime) {
+  constexpr int kThreads = 8;
   const std::vector<Ray> many = rays();
-  tbb::parallel_for(0, 16, [&](int) {
-    std::vector<Hit> own(many.size());
-    EXPECT_TRUE(trace(*scene_.snapshot(), many, own, {}));
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, kThreads);
+  tbb::task_arena(kThreads).execute([&] {
+    tbb::parallel_for(0, 16 * kThreads, [&](int i) {
+      if (i % 16 != 0) return work_a_little();  // some have time for the reading
+      std::vector<Hit> own(many.size());
+      EXPECT_TRUE(trace(*scene_.snapshot(), many, own, {}));
+    });
   });
   EXPECT_EQ(asked_[0].reads, 1);
   EXPECT_EQ(asked_[0].charged, 1);
