@@ -17,10 +17,11 @@ Error bad_index(const accel::geometry::Face& face, std::size_t i, std::size_t ve
           "INDEX_OUT_OF_RANGE"};
 }
 
-/// A thread that waits for others in here begins nothing of its arena meanwhile, such as a ray that
-/// would wait for this reading.
-Result<std::shared_ptr<const Mesh>> read_isolated(const MeshSource& source) {
-  return tbb::this_task_arena::isolate([&] { return source.read(); });
+/// A thread that waits for others in work() begins nothing of its arena meanwhile, such as a ray
+/// that waits for a lock which this thread holds.
+template <class Work>
+auto isolated(const Work& work) -> decltype(work()) {
+  return tbb::this_task_arena::isolate(work);
 }
 
 std::atomic<std::uint64_t>& dropped_trees() {
@@ -91,7 +92,7 @@ Status Mesh::make_resident(Reclaim reclaim) const {
   if (!charge) return charge.error();
   const std::lock_guard lock(unread_->reading);
   if (is_resident()) return {};
-  const auto read = read_isolated(*unread_->source);
+  const auto read = isolated([&] { return unread_->source->read(); });
   if (!read) return read.error();
   charge_ = std::move(*charge);
   arrays_ = (*read)->arrays_;
@@ -103,7 +104,7 @@ void Mesh::with_arrays(const std::function<void(const accel::geometry::MeshView&
   if (is_resident()) return use(view());
   const auto charge = unread_->source->charge(bytes(), Reclaim::kAllowed);
   if (!charge) throw MeshUnreadable(charge.error());
-  const auto read = read_isolated(*unread_->source);
+  const auto read = isolated([&] { return unread_->source->read(); });
   if (!read) throw MeshUnreadable(read.error());
   use((*read)->view());
 }
@@ -125,8 +126,9 @@ Result<std::shared_ptr<const Mesh>> Mesh::deformed(std::vector<accel::geometry::
   if (const Status resident = make_resident(Reclaim::kForbidden); !resident)
     return resident.error();
   auto arrays = std::make_shared<const Arrays>(std::move(vertices), arrays_->faces);
-  const accel::mesh::MeshStats survey =
-      accel::mesh::compute_mesh_stats({arrays->vertices, *arrays->faces});
+  const accel::mesh::MeshStats survey = isolated([&] {
+    return accel::mesh::compute_mesh_stats({arrays->vertices, *arrays->faces});
+  });
   return std::shared_ptr<const Mesh>(
       new Mesh(std::move(arrays), survey, builder_, references_, std::move(charge)));
 }
