@@ -78,17 +78,21 @@ void build_mesh(const model::Mesh& mesh, const std::atomic<bool>* cancelled,
   ++progress.meshes_done;
 }
 
-BuildCounters build_meshes(std::span<const model::Mesh* const> meshes,
-                           const std::atomic<bool>* cancelled, BuildProgress& progress) {
+Result<BuildCounters> build_meshes(std::span<const model::Mesh* const> meshes,
+                                   const std::atomic<bool>* cancelled, BuildProgress& progress) {
   add_totals(meshes, progress);
-  return tbb::parallel_reduce(
+  FirstError error;
+  const BuildCounters built = tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, meshes.size(), 1), BuildCounters{},
       [&](const tbb::blocked_range<std::size_t>& range, BuildCounters total) {
-        for (std::size_t i = range.begin(); i != range.end() && !is_cancelled(cancelled); ++i)
-          build_mesh(*meshes[i], cancelled, progress, total);
+        for (std::size_t i = range.begin();
+             i != range.end() && !is_cancelled(cancelled) && !error.happened(); ++i)
+          error.run([&] { build_mesh(*meshes[i], cancelled, progress, total); });
         return total;
       },
       [](BuildCounters a, const BuildCounters& b) { return a += b; });
+  if (error.happened()) return error.status().error();
+  return built;
 }
 
 BuildCounters build_tree(const instances::Instances& tree, const std::atomic<bool>* cancelled,
@@ -130,7 +134,9 @@ Result<TraceStats> build_all(const revision::Snapshot& snapshot, const std::atom
   const std::uint64_t dropped = model::Mesh::trees_dropped();
   const instances::OpenTrees trees = snapshot.trees();
   const auto build = [&]() -> Result<std::pair<BuildCounters, BuildCounters>> {
-    BuildCounters built = build_meshes(meshes, cancelled, reported);
+    Result<BuildCounters> built_meshes = build_meshes(meshes, cancelled, reported);
+    if (!built_meshes) return built_meshes.error();
+    BuildCounters built = *built_meshes;
     built += build_tree(trees.static_tree(), cancelled, reported);
     const BuildCounters dynamic = build_dynamic_trees(trees, cancelled, reported);
     built += dynamic;
@@ -207,8 +213,8 @@ std::vector<const model::Mesh*> meshes_of(std::span<const model::Node* const> no
 Status build_mesh_trees(std::span<const model::Node* const> nodes, BuildProgress& progress,
                         const std::atomic<bool>* cancelled) {
   const Status done = or_error([&] {
-    build_meshes(meshes_of(nodes), cancelled, progress);
-    return Status();
+    const auto built = build_meshes(meshes_of(nodes), cancelled, progress);
+    return built ? Status() : Status(built.error());
   });
   if (!done) return done.error();
   if (is_cancelled(cancelled)) return cancelled_error();

@@ -3,11 +3,11 @@
 
 #include <atomic>
 #include <cstdint>
-#include <new>
 #include <span>
 #include <vector>
 
 #include "accel/result.h"
+#include "scenegraph/query/or_error.h"
 #include "scenegraph/query/shard_cut.h"
 #include "scenegraph/revision/snapshot.h"
 #include "scenegraph/trace_options.h"
@@ -37,20 +37,6 @@ struct BuildProgress {
     return total == 0 ? 0 : static_cast<double>(done) / static_cast<double>(total);
   }
 };
-
-/// What work() returns; kResourceExhausted if it throws std::bad_alloc, and the error of
-/// model::MeshUnreadable. What was built until then remains, and the same work may succeed later.
-template <class Work>
-auto or_error(const Work& work) -> decltype(work()) {
-  try {
-    return work();
-  } catch (const std::bad_alloc&) {
-    return Error{Code::kResourceExhausted, "no memory is left for the trees that the rays need",
-                 "OUT_OF_MEMORY"};
-  } catch (const model::MeshUnreadable& thrown) {
-    return thrown.error();
-  }
-}
 
 /// Builds every tree of the snapshot completely. `progress` must be fresh; null: not reported.
 /// Parallel in the caller's arena. Errors: kCancelled, kResourceExhausted.

@@ -10,6 +10,7 @@
 
 #include "accel/lazy/stall_detector.h"
 #include "accel/result.h"
+#include "scenegraph/query/or_error.h"
 #include "scenegraph/query/ray_caster.h"
 #include "scenegraph/trace_options.h"
 
@@ -22,20 +23,25 @@ struct RayBlock {
 
 /// Cuts rays into blocks and runs answer(RayBlock) for each, in parallel in the caller's arena, in
 /// any order. Returns the sum of what the blocks return. Errors: kCancelled, unless the options
-/// allow partial answers.
+/// allow partial answers; what stops a block, as of or_error().
 template <class Answer>
 Result<TraceStats> run_blocks(std::size_t rays, std::size_t rays_per_block,
                               const TraceOptions& options, const Answer& answer) {
   const std::size_t blocks = (rays + rays_per_block - 1) / rays_per_block;
+  FirstError error;
   TraceStats total = tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, blocks, 1), TraceStats{},
       [&](const tbb::blocked_range<std::size_t>& range, TraceStats stats) {
-        for (std::size_t b = range.begin(); b != range.end() && !is_cancelled(options.cancelled);
-             ++b)
-          stats += answer(RayBlock{b * rays_per_block, std::min((b + 1) * rays_per_block, rays)});
+        for (std::size_t b = range.begin();
+             b != range.end() && !is_cancelled(options.cancelled) && !error.happened(); ++b) {
+          error.run([&] {
+            stats += answer(RayBlock{b * rays_per_block, std::min((b + 1) * rays_per_block, rays)});
+          });
+        }
         return stats;
       },
       [](TraceStats a, const TraceStats& b) { return a += b; });
+  if (error.happened()) return error.status().error();
   if (is_cancelled(options.cancelled) && !options.partial)
     return Error{Code::kCancelled, "cancelled while tracing", "CANCELLED"};
   return total;

@@ -13,6 +13,8 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
+#include "scenegraph/query/or_error.h"
+
 namespace sightline::scenegraph::query {
 namespace {
 
@@ -174,14 +176,18 @@ class Scouting {
     constexpr std::size_t kScoutsPerTask = 128;  // fewer do not pay for waking another thread
     std::vector<std::vector<Waiting>> parts((scouts.size() + kScoutsPerTask - 1) / kScoutsPerTask);
     std::vector<TraceStats> stats(parts.size());
+    FirstError error;
     tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
-      Arrivals arrivals(trees_, options_);
-      const std::size_t begin = part * kScoutsPerTask;
-      for (std::size_t i = begin; i < std::min(begin + kScoutsPerTask, scouts.size()); ++i)
-        arrivals.cast(scouts[i], rays_[scouts[i] * rays_.size / all], cast);
-      stats[part] = arrivals.stats();
-      parts[part] = arrivals.take();
+      error.run([&] {
+        Arrivals arrivals(trees_, options_);
+        const std::size_t begin = part * kScoutsPerTask;
+        for (std::size_t i = begin; i < std::min(begin + kScoutsPerTask, scouts.size()); ++i)
+          arrivals.cast(scouts[i], rays_[scouts[i] * rays_.size / all], cast);
+        stats[part] = arrivals.stats();
+        parts[part] = arrivals.take();
+      });
     });
+    if (error.happened()) return {};  // the batch will meet it, too
     std::vector<Waiting> waiting;
     for (std::size_t part = 0; part < parts.size(); ++part) {
       add_work(stats[part]);

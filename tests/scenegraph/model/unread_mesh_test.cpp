@@ -208,6 +208,41 @@ TEST_F(UnreadMesh, ThatCannotBeReadEndsTheBatchWithWhatItsSourceSays) {
   EXPECT_EQ(hit_.state, HitState::kHit);
 }
 
+TEST_F(UnreadMesh, ThatCannotBeReadLeavesWhatOthersBuildMeanwhileWhole) {
+  constexpr int kThreads = 4;
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, kThreads);
+  const tests::TestMesh ball = tests::icosphere(7);
+  for (const Growth growth : {Growth::kFirstTouch, Growth::kDemand, Growth::kFull}) {
+    SCOPED_TRACE(static_cast<int>(growth));
+    Asked asked, asked_large;
+    asked.read_error = Error{Code::kUnavailable, "the disk is away", "STORE_IO"};
+    const auto large = tests::mesh_of(ball);
+    PutNode lost = tests::put_node(
+        -1, 0, resident_[0]->unread(std::make_unique<TestSource>(resident_[0], asked)));
+    PutNode other =
+        tests::put_node(-2, 0, large->unread(std::make_unique<TestSource>(large, asked_large)));
+    other.parent_from_local.m[3] = 20;
+    Scene scene, known;
+    ASSERT_TRUE(scene.apply({Update(lost), Update(other)}));
+    lost.mesh = resident_[0];
+    other.mesh = tests::mesh_of(ball);
+    ASSERT_TRUE(known.apply({Update(lost), Update(other)}));
+    TraceOptions options;
+    options.growth = growth;
+    const std::vector<Ray> many = rays();
+    std::vector<Hit> hits(many.size()), expected(many.size());
+    tbb::task_arena(kThreads).execute([&] {
+      EXPECT_EQ(trace(*scene.snapshot(), many, hits, options).error().reason, "STORE_IO");
+    });
+    asked.read_error.reset();
+    ASSERT_TRUE(trace(*scene.snapshot(), many, hits, options));
+    ASSERT_TRUE(trace(*known.snapshot(), many, expected, options));
+    for (std::size_t i = 0; i < hits.size(); ++i)
+      ASSERT_TRUE(hits[i].t == expected[i].t || hits[i].state == HitState::kMiss) << i;
+    for (std::size_t i = 0; i < hits.size(); ++i) ASSERT_EQ(hits[i].state, expected[i].state) << i;
+  }
+}
+
 TEST_F(UnreadMesh, WithoutMemoryIsNotRead) {
   asked_[0].charge_error = Error{Code::kResourceExhausted, "no memory", "MEMORY_BUDGET"};
   const auto failed = cast(down(0.1));
