@@ -38,7 +38,7 @@ def put_scenes(endpoint, prefix, sizes, seed):
     names, triangles = [], []
     for number, size in enumerate(sizes):
         vertices, faces = terrain(size, seed + number)
-        client.import_arrays(f"{prefix}{number}", vertices, faces)
+        client.import_arrays(f"{prefix}{number}", vertices, faces, replace=True)  # of an earlier run
         names.append(f"{prefix}{number}")
         triangles.append(len(faces))
     client.close()
