@@ -9,6 +9,7 @@
 #include <tbb/parallel_reduce.h>
 
 #include "accel/kdtree/epoch.h"
+#include "scenegraph/query/first_error.h"
 #include "scenegraph/query/selection.h"
 
 namespace sightline::scenegraph::query {

@@ -13,7 +13,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
-#include "scenegraph/query/or_error.h"
+#include "scenegraph/query/first_error.h"
 
 namespace sightline::scenegraph::query {
 namespace {
@@ -198,11 +198,12 @@ class Scouting {
 
   TraceStats grow_cells(std::vector<AwaitedCell>& cells, double rays_each) {
     constexpr std::size_t kCellsPerTask = 8;  // large ones are shared by threads in any case
+    FirstError error;                         // a cell for which there was no memory did not grow
     const BuildCounters built = tbb::parallel_reduce(
         tbb::blocked_range<std::size_t>(0, cells.size(), kCellsPerTask), BuildCounters{},
         [&](const tbb::blocked_range<std::size_t>& range, BuildCounters sum) {
           for (std::size_t i = range.begin(); i != range.end(); ++i)
-            cells[i].grew = grow(cells[i], rays_each, options_, sum);
+            error.run([&] { cells[i].grew = grow(cells[i], rays_each, options_, sum); });
           return sum;
         },
         [](BuildCounters a, const BuildCounters& b) { return a += b; });

@@ -4,9 +4,13 @@
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <atomic>
+#include <chrono>
+#include <functional>
 #include <optional>
+#include <thread>
 #include <utility>
 
 #include "scenegraph/model/mesh.h"
@@ -30,12 +34,8 @@ using accel::geometry::Ray;
 struct Asked {
   std::atomic<int> reads{0}, charged{0}, without_reclaim{0};
   std::optional<Error> charge_error, read_error;
+  std::function<void()> while_read;
 };
-
-void work_a_little() {
-  std::atomic<int> sum{0};
-  for (int i = 0; i < 100'000; ++i) sum += i;
-}
 
 class TestSource final : public MeshSource {
  public:
@@ -54,8 +54,7 @@ class TestSource final : public MeshSource {
   Result<std::shared_ptr<const Mesh>> read() const override {
     if (asked_.read_error) return *asked_.read_error;
     ++asked_.reads;
-    // A thread that waits here for others must not begin casts meanwhile, which would wait for it.
-    tbb::parallel_for(0, 32, [](int) { work_a_little(); });
+    if (asked_.while_read) asked_.while_read();
     return mesh_;
   }
 
@@ -173,8 +172,7 @@ TEST_F(UnreadMesh, IsReadOnceWhereManyRaysEnterItAtTheSameTime) {
   const std::vector<Ray> many = rays();
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, kThreads);
   tbb::task_arena(kThreads).execute([&] {
-    tbb::parallel_for(0, 16 * kThreads, [&](int i) {
-      if (i % 16 != 0) return work_a_little();  // some have time for the reading
+    tbb::parallel_for(0, 4 * kThreads, [&](int) {
       std::vector<Hit> own(many.size());
       EXPECT_TRUE(trace(*scene_.snapshot(), many, own, {}));
     });
@@ -182,6 +180,26 @@ TEST_F(UnreadMesh, IsReadOnceWhereManyRaysEnterItAtTheSameTime) {
   EXPECT_EQ(asked_[0].reads, 1);
   EXPECT_EQ(asked_[0].charged, 1);
   EXPECT_EQ(asked_[1].reads, 1);
+}
+
+TEST_F(UnreadMesh, AThreadThatReadsBeginsNoOtherTaskOfItsArena) {
+  std::atomic<bool> reading{false}, begun_meanwhile{false};
+  asked_[0].while_read = [&] {
+    reading = true;
+    // A part of the reading that another thread has, and takes long for.
+    tbb::task_group part;
+    tbb::task_arena other(1, 0);
+    other.enqueue(part.defer([] { std::this_thread::sleep_for(std::chrono::milliseconds(20)); }));
+    part.wait();
+    reading = false;
+  };
+  tbb::task_arena(1).execute([&] {
+    tbb::task_group rays;
+    rays.run([&] { begun_meanwhile = reading.load(); });
+    EXPECT_TRUE(unread_[0]->make_resident(Reclaim::kAllowed));
+    rays.wait();
+  });
+  EXPECT_FALSE(begun_meanwhile) << "it could need the mesh, and wait for itself";
 }
 
 TEST_F(UnreadMesh, PicturesOfWhatIsBuiltDoNotReadIt) {
