@@ -5,8 +5,8 @@ import socket
 
 
 class Claims:
-    """Ports that this command has found free. No other command finds them so until this one ends, when the cluster's programs
-    listen on them. Between the two nobody does: a second cluster that started just then would choose the same."""
+    """Ports that this command has found free, and that no other command finds free until this one ends. By then the cluster's
+    programs listen on them. Without a claim, a second cluster that starts before they do would choose the same ports."""
 
     def __init__(self):
         self._held = contextlib.ExitStack()
