@@ -25,7 +25,7 @@ def agreement(costs):
 
 def _loaded(costs, fleet, load):
     """The workload with as many clients as make this load. Trees live as long in requests, whatever the rate."""
-    rate = load * fleet.replicas * fleet.cores / costs.warm_s(WORKLOAD.rays)
+    rate = load * fleet.replicas * fleet.cores / costs.warm_s(WORKLOAD.rays, fleet.policy)
     return dataclasses.replace(WORKLOAD, clients=max(1, round(rate)), tree_life_s=WORKLOAD.tree_life_s * WORKLOAD.clients / rate)
 
 

@@ -6,7 +6,7 @@ from closed_loop import closed_loop
 from costs import Costs
 from events import Simulation
 from fleet import Fleet
-from request_costs import COLD_SCENES, GROWTH_SCENES, WARM_SCENES, built_by, put_scenes, request_costs
+from request_costs import built_by, put_scenes, request_costs, scene_sizes
 from workload import Workload, popularity, scene_triangles
 
 WORKLOAD = Workload(scenes=30, median_triangles=50_000, sigma=0.6, tree_life_s=1e9)
@@ -74,9 +74,9 @@ class Comparison:
         return Round(costs, measured)
 
     def _measure_costs(self):
-        sizes = scene_triangles(dataclasses.replace(WORKLOAD, scenes=WARM_SCENES + GROWTH_SCENES + COLD_SCENES, seed=5))
-        scenes = self._put("costs", sizes)
-        return fill(request_costs(self._cluster, self._cluster.start_haproxy(), scenes, WORKLOAD, CLIENTS, WARM_REQUESTS))
+        scenes = self._put("costs", scene_sizes(WORKLOAD))
+        bound = BOUND if "bounded" in self._policies else None
+        return fill(request_costs(self._cluster, scenes, WORKLOAD, CLIENTS, WARM_REQUESTS, bound))
 
     def _run(self, policy):
         """From cold. Returns what clients saw, and the triangles that all replicas built."""

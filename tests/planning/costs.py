@@ -10,6 +10,7 @@ FILE = DATA / "planning_costs.csv"
 
 sys.path.insert(0, str(ROOT / "tests/bench/data"))
 from csv_files import read_csv
+from fleet import has_proxy
 
 
 @dataclasses.dataclass(frozen=True)
@@ -17,13 +18,17 @@ class Costs:
     """Processor seconds (`_s`), bytes and triangles. A field is a row of the file."""
     client_request_s: float    # the client, a request of no rays
     client_ray_s: float
+    client_proxied_s: float    # ... more for a request through HAProxy
     proxy_request_s: float     # HAProxy, a request of no rays
     proxy_ray_s: float
+    proxy_bounded_s: float     # ... more for a request, where loads are bounded
     server_request_s: float    # a replica, a request of no rays, all trees built
     server_ray_s: float
+    server_proxied_s: float    # ... more for a request through HAProxy
     open_scene_s: float        # the first request about a scene at a replica
     open_triangle_s: float     # ... for each triangle of the scene
     build_triangle_s: float    # for each triangle in finished leaves
+    client_triangle_s: float   # clients on the same machine, whose caches building uses as well, for each of these triangles
     piece_triangles: float     # the trees that one ray builds, alone in its part of the scene
     geometry_bytes: float      # held for each triangle of a scene that is loaded
     tree_bytes: float          # held for each triangle in finished leaves
@@ -44,15 +49,15 @@ class Costs:
             if not value >= 0:
                 raise ValueError(f"unit cost {field.name} is {value}; it must be 0 or more")
 
-    def warm_s(self, rays):
+    def warm_s(self, rays, policy):
         """A replica's processor seconds for a request whose trees are built."""
-        return self.server_request_s + self.server_ray_s * rays
+        return self.server_request_s + self.server_ray_s * rays + has_proxy(policy) * self.server_proxied_s
 
-    def proxy_s(self, rays):
-        return self.proxy_request_s + self.proxy_ray_s * rays
+    def proxy_s(self, rays, policy):
+        return has_proxy(policy) * (self.proxy_request_s + self.proxy_ray_s * rays + (policy == "bounded") * self.proxy_bounded_s)
 
-    def client_s(self, rays):
-        return self.client_request_s + self.client_ray_s * rays
+    def client_s(self, rays, policy):
+        return self.client_request_s + self.client_ray_s * rays + has_proxy(policy) * self.client_proxied_s
 
     def bytes(self, rays):
         """On the wire, both ways."""

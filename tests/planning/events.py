@@ -100,7 +100,7 @@ class Simulation:
     def _send(self, now, scene, client):
         """What the client itself does comes first, where it shares the processor."""
         if self._shared:
-            self._add(now, 0, self._costs.client_s(self._work.rays), ("send", scene, now, client))
+            self._add(now, 0, self._costs.client_s(self._work.rays, self._fleet.policy), ("send", scene, now, client))
         else:
             self._request(now, now, scene, client)
 
@@ -119,13 +119,13 @@ class Simulation:
 
     def _seconds(self, scene, visit):
         """Processor seconds of a request, on the processor that it runs on."""
-        costs, rays = self._costs, self._work.rays
-        seconds = costs.warm_s(rays) + costs.build_triangle_s * visit.built
+        costs, rays, policy = self._costs, self._work.rays, self._fleet.policy
+        seconds = costs.warm_s(rays, policy) + costs.build_triangle_s * visit.built
         if visit.opened:
             seconds += costs.open_scene_s + costs.open_triangle_s * self._triangles[scene]
         if self._shared:
             seconds += visit.opened * costs.database_open_triangle_s * self._triangles[scene]
-            seconds += costs.proxy_s(rays) if self._fleet.has_proxy() else 0
+            seconds += costs.client_triangle_s * visit.built + costs.proxy_s(rays, policy)
         return seconds
 
     def _update(self, now, scene):
@@ -184,8 +184,8 @@ class Simulation:
         tally.seconds = now - self._began
         tally.in_flight = sum(self._in_flight)
         tally.responses_s = np.array(self._responses)
-        if self._fleet.has_proxy() and not self._shared:
-            tally.responses_s += self._costs.proxy_s(self._work.rays)
+        if not self._shared:
+            tally.responses_s += self._costs.proxy_s(self._work.rays, self._fleet.policy)
         tally.built = sum(cache.built for cache in self._caches)
         tally.warm_share = 1 - float(np.mean(self._missing))
         tally.busy = (np.array([p.busy_s for p in self._processors]) - self._busy_before) / tally.seconds

@@ -5,6 +5,11 @@ GIB = 1 << 30
 POLICIES = "round_robin", "hashing", "bounded"
 
 
+def has_proxy(policy):
+    """round_robin is the clients' own; the others need HAProxy, which knows the scene of a call."""
+    return policy != "round_robin"
+
+
 @dataclasses.dataclass(frozen=True)
 class Fleet:
     replicas: int = 3
@@ -26,10 +31,6 @@ class Fleet:
 
     def budget_bytes(self):
         return self.memory_gib * GIB
-
-    def has_proxy(self):
-        """round_robin is the clients' own; the others need HAProxy, which knows the scene of a call."""
-        return self.policy != "round_robin"
 
     def cost_an_hour(self, proxies):
         """Of all machines; `proxies` of them run HAProxy. PostgreSQL has two, with 4 GiB a core."""

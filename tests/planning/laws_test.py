@@ -285,7 +285,7 @@ class WorkloadTest(unittest.TestCase):
 
 class FilesTest(unittest.TestCase):
     def test_the_measured_costs_can_be_read(self):
-        self.assertGreater(read_costs().warm_s(1_024), 0)
+        self.assertGreater(read_costs().warm_s(1_024, "hashing"), 0)
 
     def test_a_fleet_that_is_full_does_not_suffice(self):
         row = {"policy": "hashing", "zipf": 1, "clients": 10}

@@ -6,9 +6,9 @@ import sightline
 
 from closed_loop import closed_loop
 from terrain import terrain, window_rays
-from workload import reach
+from workload import popularity, reach, scene_triangles
 
-WARM_SCENES, GROWTH_SCENES, COLD_SCENES = 4, 8, 24
+GROWTH_SCENES, COLD_SCENES = 8, 24
 VISITS, COLD_VISITS = 16, 3  # requests at each scene
 PIECES = 2.0 ** np.arange(0, 12, 0.25)  # tried for piece_triangles
 
@@ -26,6 +26,7 @@ class Growth:
 class ColdRun:
     """Requests at a replica that had not loaded the scenes, or had; what they took beyond warm ones."""
     extra_s: float        # of the replica
+    client_s: float
     store_s: float        # of PostgreSQL
     opened: int           # scenes
     opened_triangles: float
@@ -81,8 +82,8 @@ def fit_pieces(growth, work):
     return float(min(PIECES, key=error))
 
 
-def cold_runs(cluster, port, names, triangles, work, clients, warm_s):
-    """Small scenes, then large ones, then all of them again: each scene is opened once, and grows twice."""
+def cold_runs(cluster, port, names, triangles, work, clients, warm):
+    """Small scenes, then large ones, then all of them again: each scene is opened once, and grows twice. warm: a run for comparison."""
     order = np.argsort(triangles)
     half = len(order) // 2
     runs, endpoint = [], f"127.0.0.1:{port}"
@@ -92,7 +93,8 @@ def cold_runs(cluster, port, names, triangles, work, clients, warm_s):
         run = closed_loop(cluster, endpoint, some, np.full(len(some), 1 / len(some)), clients,
                           max(1, COLD_VISITS * len(some) // clients), work.rays, work.window, 20 + number)
         built = built_by(port, some)
-        runs.append(ColdRun((run.server_s - warm_s) * run.requests, run.store_s * run.requests, opens * int((built > 0).sum()),
+        runs.append(ColdRun((run.server_s - warm.server_s) * run.requests, (run.client_s - warm.client_s) * run.requests,
+                            run.store_s * run.requests, opens * int((built > 0).sum()),
                             opens * float(triangles[chosen][built > 0].sum()), float(built.sum() - before)))
     return runs
 
@@ -130,30 +132,40 @@ def grow_all(cluster, names, work):
         client.close()
 
 
-def warm_runs(cluster, endpoint, names, work, clients, requests, proxy):
-    """Runs with few and with many rays a request."""
-    return [closed_loop(cluster, endpoint, names, np.full(len(names), 1 / len(names)), clients, requests, rays, work.window, 7, proxy=proxy)
-            for rays in (work.rays // 4, work.rays)]
+def scene_sizes(work):
+    """Of the scenes that `request_costs` needs: those of the workload, to be warm, and some to be cold."""
+    return scene_triangles(dataclasses.replace(work, scenes=work.scenes + GROWTH_SCENES + COLD_SCENES, seed=5))
 
 
-def request_costs(cluster, proxy_endpoint, scenes, work, clients, requests):
-    """The fields of Costs that concern requests. scenes: what `put_scenes` returned for
-    WARM_SCENES + GROWTH_SCENES + COLD_SCENES scenes that no one has used."""
+def warm_run(cluster, endpoint, names, work, clients, requests, rays, proxy):
+    """All scenes of the workload, as often as there: how much of the replicas' memory is touched decides what a ray costs."""
+    return closed_loop(cluster, endpoint, names, popularity(work), clients, requests, rays, work.window, 7, proxy=proxy)
+
+
+def request_costs(cluster, scenes, work, clients, requests, bound=None):
+    """The fields of Costs that concern requests. scenes: what `put_scenes` returned for `scene_sizes`; no one has used them.
+    Without a bound, what bounded loads cost is 0."""
     few, many = work.rays // 4, work.rays
     part = lambda begin, count: (scenes[0][begin:begin + count], scenes[1][begin:begin + count])
-    warm = part(0, WARM_SCENES)[0]
+    warm = part(0, work.scenes)[0]
     grow_all(cluster, warm, work)
-    direct = warm_runs(cluster, cluster.endpoints(), warm, work, clients, requests, False)
-    through = warm_runs(cluster, proxy_endpoint, warm, work, clients, requests, True)
+    run = lambda endpoint, rays, proxy: warm_run(cluster, endpoint, warm, work, clients, requests, rays, proxy)
+    direct = [run(cluster.endpoints(), rays, False) for rays in (few, many)]
+    proxy = cluster.start_haproxy()
+    through = [run(proxy, rays, True) for rays in (few, many)]
+    bounded = run(cluster.start_haproxy(bound), many, True) if bound else through[1]
     port = next(iter(cluster.replicas))
-    growth = watch_growth(port, *part(WARM_SCENES, GROWTH_SCENES), work)
-    cold = cold_runs(cluster, port, *part(WARM_SCENES + GROWTH_SCENES, COLD_SCENES), work, clients, direct[1].server_s)
+    growth = watch_growth(port, *part(work.scenes, GROWTH_SCENES), work)
+    cold = cold_runs(cluster, port, *part(work.scenes + GROWTH_SCENES, COLD_SCENES), work, clients, direct[1])
     found = dict(zip(("open_scene_s", "open_triangle_s", "build_triangle_s"), fit_cold(cold)))
     found["database_open_triangle_s"] = sum(run.store_s for run in cold) / sum(run.opened_triangles for run in cold)
     found["piece_triangles"] = fit_pieces(growth, work)
     for who in "client", "server":
         costs = two_sizes(getattr(direct[0], f"{who}_s"), getattr(direct[1], f"{who}_s"), few, many)
         found[f"{who}_request_s"], found[f"{who}_ray_s"] = costs
+        found[f"{who}_proxied_s"] = max(0.0, getattr(through[1], f"{who}_s") - getattr(direct[1], f"{who}_s"))
     found["proxy_request_s"], found["proxy_ray_s"] = two_sizes(through[0].proxy_s, through[1].proxy_s, few, many)
+    found["proxy_bounded_s"] = max(0.0, bounded.proxy_s - through[1].proxy_s)
+    found["client_triangle_s"] = max(0.0, sum(run.client_s for run in cold) / sum(run.built for run in cold))
     found["geometry_bytes"], found["tree_bytes"] = growth.geometry_bytes, growth.tree_bytes
     return found

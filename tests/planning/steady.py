@@ -11,6 +11,7 @@ import numpy as np
 
 import residence
 from fanout import log_load
+from fleet import has_proxy
 from spreading import spill_chance, spread
 from workload import Workload, popularity, reach, scene_triangles
 
@@ -64,7 +65,7 @@ def _spread_of(costs, workload, fleet):
     """A sweep asks for the same ones again: the number of clients matters to none but bounded."""
     spill = 0.0
     if fleet.policy == "bounded":
-        load = workload.request_rate() * costs.warm_s(workload.rays) / fleet.replicas / fleet.cores
+        load = workload.request_rate() * costs.warm_s(workload.rays, fleet.policy) / fleet.replicas / fleet.cores
         load = min(load, FULLEST)
         spill = round(spill_chance(load * fleet.cores * waiting_factor(fleet.cores, load), fleet.replicas, fleet.bound) * 20) / 20
     return _known_spread(workload.zipf, workload.scenes, fleet.replicas, fleet.policy, fleet.bound, spill)
@@ -85,7 +86,7 @@ def steady_state(costs, workload, fleet):
     missing = residence.missing_share(chance, near)
     total = lambda values: np.bincount(where, values, spread_.replicas)
 
-    seconds = (costs.warm_s(workload.rays) + costs.build_triangle_s * triangles * near * missing +
+    seconds = (costs.warm_s(workload.rays, fleet.policy) + costs.build_triangle_s * triangles * near * missing +
                (1 - chance) * (costs.open_scene_s + costs.open_triangle_s * triangles))
     update_rates = popularity(workload) * workload.request_rate() * workload.update_share
     holders = np.bincount(scene, chance, workload.scenes) * spread_.alike
@@ -130,9 +131,9 @@ def _bound(load, database_load):
 
 
 def _proxies(costs, workload, fleet, answered, network):
-    if not fleet.has_proxy():
+    if not has_proxy(fleet.policy):
         return 0
-    by_cores = answered * costs.proxy_s(workload.rays) / fleet.proxy_cores
+    by_cores = answered * costs.proxy_s(workload.rays, fleet.policy) / fleet.proxy_cores
     return max(1, math.ceil(max(by_cores, network / fleet.proxy_bytes_s)))
 
 
@@ -143,8 +144,7 @@ def _responses_s(costs, workload, fleet, rates, where, chance, near, triangles, 
     age = random.geometric(np.maximum(1 - chance[drawn], 1e-9))
     built = triangles[drawn] * near[drawn] * (1 - near[drawn]) ** (age - 1)
     opened = age == 1
-    seconds = (costs.warm_s(workload.rays) + costs.build_triangle_s * built +
+    seconds = (costs.warm_s(workload.rays, fleet.policy) + costs.build_triangle_s * built +
                opened * (costs.open_scene_s + costs.open_triangle_s * triangles[drawn]))
     factors = np.array([waiting_factor(fleet.cores, x) for x in np.minimum(load, FULLEST)])
-    proxy = costs.proxy_s(workload.rays) if fleet.has_proxy() else 0
-    return seconds * factors[where[drawn]] + proxy
+    return seconds * factors[where[drawn]] + costs.proxy_s(workload.rays, fleet.policy)
