@@ -40,6 +40,12 @@ State::State(const ServerConfig& c, std::unique_ptr<store::Store> disk, shards::
                   .full_reason = "TOO_MANY_PREFETCHES",
                   .when_stopped = "the server is stopping; what is built was not finished",
                   .shared = false}),
+      // Each of the peers may be at work on as many.
+      shard_prefetches({.limit = static_cast<std::size_t>(c.max_prefetches) * shard_peers.size(),
+                        .when_full = "the server is at work on {} prefetches of shards",
+                        .full_reason = "TOO_MANY_PREFETCHES",
+                        .when_stopped = "the server is stopping; what is built was not finished",
+                        .shared = false}),
       update_streams({.limit = updates::kMaxUpdateStreams,
                       .when_full = "{} streams of updates are open on the server",
                       .full_reason = "TOO_MANY_STREAMS",
@@ -84,6 +90,7 @@ Status State::open() {
 
 void State::stop_waiting() {
   prefetches.stop();
+  shard_prefetches.stop();
   backups.stop();
   waiting_reads.stop();
   update_streams.stop();

@@ -41,8 +41,8 @@ struct State {
   exec::UnreadReplies unread;
   exec::Quotas quotas;
   metrics::Metrics metrics;
-  exec::CallRegistry waiting_reads, cast_streams, prefetches, update_streams, watches, scene_puts,
-      uploads, backups;
+  exec::CallRegistry waiting_reads, cast_streams, prefetches, shard_prefetches, update_streams,
+      watches, scene_puts, uploads, backups;
   const std::unique_ptr<store::Store> store;  // null: scenes are in memory only
   blobs::BlobStore blobs;
   const std::unique_ptr<durable::StoreKeeper> keeper;  // null without a store
@@ -75,6 +75,7 @@ struct State {
                                   .waiting_reads = waiting_reads,
                                   .cast_streams = cast_streams,
                                   .prefetches = prefetches,
+                                  .shard_prefetches = shard_prefetches,
                                   .update_streams = update_streams,
                                   .watches = watches,
                                   .scene_puts = scene_puts,

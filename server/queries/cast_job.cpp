@@ -9,6 +9,7 @@
 
 #include "scenegraph/instances/scene_trees.h"
 #include "server/exec/rpc_status.h"
+#include "server/queries/asked_shard.h"
 #include "server/queries/hit_codec.h"
 #include "server/scenes/names.h"
 #include "server/shards/peers.h"
@@ -30,13 +31,13 @@ Status CastJob::open(const v1::CastRaysRequest& request) {
   if (Status good = scenes::check_scene_name(request.scene()); !good) return good;
   auto query = decode_query(request, services_.policy);
   if (!query) return query.error();
-  if (Status good = check_shard(*query); !good) return good;
+  if (Status good = check_shard(*query, services_); !good) return good;
   auto scene = services_.find_for_read(request.scene(), request.consistency());
   if (!scene) return scene.error();
   query_ = std::move(*query);
   scene_ = std::move(*scene);
   flow_ = {caller_.principal, caller_.connection, request.scene()};
-  if (!services_.shard_peers.empty() && !query_.shard) open_sharded(request);
+  if (is_for_all_shards(query_, services_)) open_sharded(request);
   return {};
 }
 
@@ -221,7 +222,7 @@ void CastJob::end(const Status& status, const Done& done) {
 }
 
 Status CastJob::build() {
-  const auto of_query = shard();
+  const auto of_query = shard_of(query_, services_, snapshot_);
   if (!of_query) return of_query.error();
   const auto built = query_.shard ? scenegraph::query::build_shard(*snapshot_, *of_query, &stopped_)
                                   : scenegraph::build_all(*snapshot_, &stopped_);
@@ -271,7 +272,7 @@ void CastJob::describe(v1::CastRaysResponse& reply) {
 /// On a worker: the query may be the first to need the revision's instances.
 Status CastJob::begin() {
   if (query_.selects() && !selection_) {
-    auto of_query = shard();
+    auto of_query = shard_of(query_, services_, snapshot_);
     if (!of_query) return of_query.error();
     auto selection = scenegraph::query::Selection::make(snapshot_, query_.root, query_.excluded,
                                                         *std::move(of_query));

@@ -108,7 +108,6 @@ class CastJob {
   /// Of one reply.
   enum class Progress : std::uint8_t { kMore, kDone };
 
-  Status check_shard(const CastQuery& query) const;
   bool is_sharded() const { return sharded_ != nullptr; }
   void open_sharded(const v1::CastRaysRequest& request);
   std::size_t sharded_bytes(std::size_t rays, std::size_t rows) const;
@@ -120,7 +119,6 @@ class CastJob {
   Status write_sharded_hits(v1::CastRaysResponse& reply);
   Status write_sharded_lists(v1::CastRaysResponse& reply);
   void push(exec::Slice slice);
-  Result<scenegraph::query::Shard> shard() const;
   bool is_immediate() const;
   bool answer_at_once(v1::CastRaysResponse& reply);
   void push_build(v1::CastRaysResponse& reply, const Done& done);

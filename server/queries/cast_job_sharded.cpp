@@ -16,29 +16,6 @@ using accel::geometry::HitState;
 using accel::geometry::Ray;
 using scenegraph::QueryKind;
 
-/// All servers cut in as many shards.
-Status CastJob::check_shard(const CastQuery& query) const {
-  if (!query.shard || query.shard->count == services_.shard_peers.size()) return {};
-  return Error{Code::kFailedPrecondition,
-               fmt::format("asked for shard {} of {}, but this server has {} --shard-peers",
-                           query.shard->index, query.shard->count, services_.shard_peers.size()),
-               "SHARDS_DIFFER"};
-}
-
-/// The whole scene, if the query names no shard.
-Result<scenegraph::query::Shard> CastJob::shard() const {
-  if (!query_.shard) return scenegraph::query::Shard();
-  auto cut = services_.shard_cuts.find_or_make(snapshot_, query_.shard->count);
-  if (query_.shard->cut != 0 && query_.shard->cut != cut->fingerprint()) {
-    return Error{Code::kFailedPrecondition,
-                 fmt::format("this server cuts revision {} into other shards: is it of another "
-                             "version?",
-                             snapshot_->revision()),
-                 "SHARD_CUT_DIFFERS"};
-  }
-  return scenegraph::query::Shard{std::move(cut), query_.shard->index};
-}
-
 void CastJob::open_sharded(const v1::CastRaysRequest& request) {
   sharded_ = std::make_unique<shards::ShardedCast>(
       services_.shard_peers, context_, request,

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -11,7 +12,6 @@
 #include "scenegraph/trace.h"
 #include "server/queries/batch_rays.h"
 #include "server/scenes/names.h"
-#include "server/shards/peers.h"
 
 namespace sightline::server::queries {
 namespace {
@@ -23,6 +23,7 @@ v1::CastRaysRequest query_of(const v1::PrefetchRequest& request) {
   query.set_build(v1::BUILD_MODE_LAZY);
   if (request.roots_size() == 1) query.set_root(request.roots(0));
   *query.mutable_exclude() = request.exclude();
+  if (request.has_shard()) *query.mutable_shard() = request.shard();
   return query;
 }
 
@@ -37,22 +38,12 @@ std::uint64_t bytes_of_tree(const scenegraph::instances::SceneTree& tree) {
 
 }  // namespace
 
-/// What a server prefetches it would hold beside its shard.
-Status PrefetchJob::check_alone() const {
-  if (services_.shard_peers.empty()) return {};
-  return Error{
-      Code::kUnimplemented,
-      "a server with --shard-peers does not prefetch: cast with BUILD_MODE_FULL, for which "
-      "each server builds the trees of its own shard",
-      "PREFETCH_WITH_SHARDS"};
-}
-
 Status PrefetchJob::open(const v1::PrefetchRequest& request) {
-  if (Status good = check_alone(); !good) return good;
   if (Status good = scenes::check_scene_name(request.scene()); !good) return good;
   if (Status good = check_roots(request); !good) return good;
   auto query = decode_query(query_of(request), services_.policy);
   if (!query) return query.error();
+  if (Status good = check_shard(*query, services_); !good) return good;
   query_ = std::move(*query);
   roots_.assign(request.roots().begin(), request.roots().end());
   has_rays_ = has_rays(request);
@@ -64,8 +55,11 @@ Status PrefetchJob::open(const v1::PrefetchRequest& request) {
   if (!scene) return scene.error();
   auto quota = services_.quotas.begin_work(caller_, rays.size(), request.ByteSizeLong());
   if (!quota) return quota.error();
+  const std::size_t of_shards =
+      is_sharded() ? std::min(rays.size(), kRaysOfPart) * shards::kShardedBytesPerRay : 0;
   auto ticket = services_.admission.admit(
-      caller_, rays.size(), request.ByteSizeLong() + rays.size() * sizeof(accel::geometry::Ray));
+      caller_, rays.size(),
+      request.ByteSizeLong() + rays.size() * sizeof(accel::geometry::Ray) + of_shards);
   if (!ticket) return ticket.error();
   rays_.resize(rays.size());
   rays.decode(0, rays_);
@@ -74,6 +68,7 @@ Status PrefetchJob::open(const v1::PrefetchRequest& request) {
   (*scene)->touch();
   snapshot_ = (*scene)->snapshot();
   revision_ = (*scene)->token(snapshot_->revision());
+  if (is_sharded()) open_sharded(request, query_of(request));
   return {};
 }
 
@@ -95,8 +90,11 @@ Status PrefetchJob::run() {
 }
 
 Status PrefetchJob::build() {
-  const auto nodes = scenegraph::query::mesh_nodes_under(*snapshot_, roots_, query_.excluded);
+  auto nodes = scenegraph::query::mesh_nodes_under(*snapshot_, roots_, query_.excluded);
   if (!nodes) return nodes.error();
+  const auto shard = shard_of(query_, services_, snapshot_);
+  if (!shard) return shard.error();
+  std::erase_if(*nodes, [&](const scenegraph::model::Node* node) { return !shard->has(node->id); });
   meshes_ = scenegraph::query::meshes_of(*nodes);
   known_.store(true, std::memory_order_release);
   if (Status built = scenegraph::query::build_mesh_trees(*nodes, progress_, &cancelled_); !built)
@@ -108,7 +106,10 @@ Status PrefetchJob::build() {
 Status PrefetchJob::grow() {
   std::optional<scenegraph::query::Selection> selection;
   if (query_.selects()) {
-    auto made = scenegraph::query::Selection::make(snapshot_, query_.root, query_.excluded);
+    auto shard = shard_of(query_, services_, snapshot_);
+    if (!shard) return shard.error();
+    auto made = scenegraph::query::Selection::make(snapshot_, query_.root, query_.excluded,
+                                                   *std::move(shard));
     if (!made) return made.error();
     selection.emplace(std::move(*made));
   }
@@ -121,6 +122,16 @@ Status PrefetchJob::grow() {
 
 void PrefetchJob::report(v1::PrefetchResponse& response) {
   encode_revision(revision_, *response.mutable_served());
+  if (is_sharded() && !has_rays_) {
+    trees_of_shards_.report(response);
+  } else {
+    report_own(response);
+  }
+  response.set_elapsed_us(static_cast<std::uint64_t>(
+      std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - begun_).count()));
+}
+
+void PrefetchJob::report_own(v1::PrefetchResponse& response) const {
   response.set_meshes_done(progress_.meshes_done);
   response.set_meshes_total(progress_.meshes_total);
   response.set_triangles_done(progress_.triangles_done);
@@ -129,8 +140,6 @@ void PrefetchJob::report(v1::PrefetchResponse& response) {
   response.set_rays_total(rays_.size());
   response.set_cells_expanded(progress_.cells_expanded);
   response.set_build_us(progress_.build_us);
-  response.set_elapsed_us(static_cast<std::uint64_t>(
-      std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - begun_).count()));
   if (!known_.load(std::memory_order_acquire)) return;
   std::uint64_t bytes = 0;
   if (roots_.empty()) {
@@ -145,6 +154,7 @@ void PrefetchJob::close() {
   quota_ = {};
   ticket_ = {};
   meshes_ = {};
+  cut_.reset();
   snapshot_.reset();
 }
 

@@ -20,18 +20,18 @@ namespace {
 constexpr std::chrono::milliseconds kBeforeFirstReport{20};
 constexpr std::chrono::milliseconds kBetweenReports{250};
 
-/// Three activities run at a time: building, an alarm, and writing a report. Each calls advance()
-/// when it stops; the last one to stop ends the call.
+/// Three activities run at a time: building, here or at peers, an alarm, and writing a report. Each
+/// calls advance() when it stops; the last one to stop ends the call.
 class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse> {
  public:
   PrefetchCall(const scenes::Services& services, grpc::CallbackServerContext& context,
-               exec::Caller caller, const std::string& scene)
+               exec::Caller caller, const v1::PrefetchRequest& request)
       : compute_(services.compute),
         context_(context),
         unread_(services.unread),
-        calls_(services.prefetches),
-        flow_{caller.principal, caller.connection, scene},
-        job_(services, std::move(caller)) {}
+        calls_(request.has_shard() ? services.shard_prefetches : services.prefetches),
+        flow_{caller.principal, caller.connection, request.scene()},
+        job_(services, context, std::move(caller)) {}
 
   /// `request` lives as long as the call.
   void start(const v1::PrefetchRequest& request) {
@@ -47,7 +47,11 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
     const std::lock_guard lock(mutex_);
     set_alarm(kBeforeFirstReport);
     compute_.enqueue_background(flow_, [this] {
-      build();
+      if (job_.is_sharded()) {
+        ask();
+      } else {
+        finish(exec::to_status([this] { return job_.run(); }));
+      }
       return false;
     });
   }
@@ -64,8 +68,26 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
   }
 
  private:
-  void build() {
-    Status built = exec::to_status([this] { return job_.run(); });
+  void ask() {
+    bool asked = false;
+    const auto ask_peers = [&] { return job_.ask([this] { ask_again(); }, asked); };
+    Status ran = exec::to_status(ask_peers);
+    if (ran && asked) return;  // this may be gone
+    finish(std::move(ran));
+  }
+
+  void ask_again() {
+    const Status pushed = exec::to_status([this] {
+      compute_.enqueue_background(flow_, [this] {
+        ask();
+        return false;
+      });
+      return Status();
+    });
+    if (!pushed) finish(pushed);
+  }
+
+  void finish(Status built) {
     // Before the last report is written: a client that has read it may start the next prefetch.
     calls_.leave(this);
     if (!built && calls_.stopped()) built = calls_.stopped_error();
@@ -161,7 +183,7 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
 grpc::ServerWriteReactor<v1::PrefetchResponse>* start_prefetch(const scenes::Services& services,
                                                                grpc::CallbackServerContext& context,
                                                                const v1::PrefetchRequest& request) {
-  auto* call = new PrefetchCall(services, context, exec::caller_of(context), request.scene());
+  auto* call = new PrefetchCall(services, context, exec::caller_of(context), request);
   call->start(request);
   return call;
 }

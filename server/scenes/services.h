@@ -48,6 +48,7 @@ struct Services {
   exec::CallRegistry& waiting_reads;  ///< Reads that wait for a revision.
   exec::CallRegistry& cast_streams;
   exec::CallRegistry& prefetches;
+  exec::CallRegistry& shard_prefetches;  ///< What other servers ask for, each for one shard.
   exec::CallRegistry& update_streams;
   exec::CallRegistry& watches;
   exec::CallRegistry& scene_puts;

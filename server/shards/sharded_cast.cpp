@@ -7,7 +7,7 @@
 #include <exception>
 #include <utility>
 
-#include "server/exec/rpc_status.h"
+#include "server/shards/peer_errors.h"
 #include "server/shards/shard_messages.h"
 
 namespace sightline::server::shards {
@@ -85,39 +85,22 @@ void ShardedCast::end_one() {
   answered();
 }
 
-/// Whether the peer is gone, or not at the revision.
+/// Whether the peer is gone, or has another revision.
 bool ShardedCast::may_be_lost(const Call& call) const {
-  switch (call.status.error_code()) {
-    case grpc::StatusCode::OK:
-      return call.reply.served().token() != batch_.token;
-    case grpc::StatusCode::UNAVAILABLE:
-    case grpc::StatusCode::DEADLINE_EXCEEDED:
-    case grpc::StatusCode::CANCELLED:
-    case grpc::StatusCode::UNKNOWN:       // the connection was closed during the call
-    case grpc::StatusCode::OUT_OF_RANGE:  // the revision is not kept there
-      return true;
-    default:
-      return false;
-  }
+  return call.status.ok() ? call.reply.served().token() != batch_.token : means_lost(call.status);
 }
 
 Error ShardedCast::lost(const Call& call) const {
-  const std::uint32_t shard = call.question.shard;
-  return {Code::kUnavailable,
-          fmt::format(
-              "shard {} of {} is lost: {} does not answer at revision {}: {}", shard, peers_.size(),
-              peers_.address(shard), batch_.revision,
-              call.status.ok() ? "it has another scene of this name" : call.status.error_message()),
-          "SHARD_LOST"};
+  const std::string why =
+      call.status.ok() ? "it has another scene of this name" : call.status.error_message();
+  return lost_shard(peers_, call.question.shard,
+                    fmt::format("answer at revision {}: {}", batch_.revision, why));
 }
 
 Status ShardedCast::take() {
-  // Of several errors the one that is not a consequence: a call that was cancelled here.
-  const auto rank = [](const Call& call) {
-    return call.status.ok() ? 2 : call.status.error_code() == grpc::StatusCode::CANCELLED ? 1 : 0;
-  };
-  std::stable_sort(calls_.begin(), calls_.end(),
-                   [&](const Call& a, const Call& b) { return rank(a) < rank(b); });
+  std::stable_sort(calls_.begin(), calls_.end(), [](const Call& a, const Call& b) {
+    return rank_of(a.status) < rank_of(b.status);
+  });
   for (const Call& call : calls_) {
     if (Status taken = take(call); !taken) return taken;
   }
@@ -130,12 +113,7 @@ Status ShardedCast::take(const Call& call) {
     merge_.lose(call.question);
     return {};
   }
-  if (!call.status.ok()) {
-    Error error = exec::error_of(call.status);
-    error.message = fmt::format("{} answers for shard {}: {}", peers_.address(call.question.shard),
-                                call.question.shard, error.message);
-    return error;
-  }
+  if (!call.status.ok()) return error_of_peer(peers_, call.question.shard, call.status);
   const auto answer = decode(call.reply, query_.kind, call.question.rays.size());
   if (!answer) return answer.error();
   cost_ += decode_cost(call.reply.stats());

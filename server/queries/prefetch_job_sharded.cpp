@@ -1,0 +1,84 @@
+// Prefetches that the servers of the shards do: they build, or cast the rays.
+#include <algorithm>
+#include <utility>
+
+#include "scenegraph/query/selection.h"
+#include "server/queries/prefetch_job.h"
+#include "server/shards/peers.h"
+#include "server/shards/shard_cuts.h"
+
+namespace sightline::server::queries {
+
+using accel::geometry::Ray;
+using scenegraph::QueryKind;
+
+void PrefetchJob::open_sharded(const v1::PrefetchRequest& request,
+                               const v1::CastRaysRequest& query) {
+  if (!has_rays_) {
+    asked_for_trees_ = request;
+    return;
+  }
+  v1::CastRaysRequest cast = query;
+  cast.set_scene(request.scene());
+  // Lists build what counts build.
+  const QueryKind kind = query_.kind == QueryKind::kAll ? QueryKind::kCount : query_.kind;
+  cast_ = std::make_unique<shards::ShardedCast>(services_.shard_peers, context_, cast,
+                                                shards::ShardedCast::Query{.kind = kind});
+}
+
+Status PrefetchJob::ask(std::function<void()> answered, bool& asked) {
+  if (cancelled_.load(std::memory_order_relaxed))
+    return Error{Code::kCancelled, "cancelled while building", "CANCELLED"};
+  if (!peers_asked_) {
+    if (Status known = check_nodes(); !known) return known;
+  }
+  return has_rays_ ? ask_for_rays(answered, asked) : ask_for_trees(std::move(answered), asked);
+}
+
+Status PrefetchJob::check_nodes() const {
+  using scenegraph::query::check_node;
+  for (const scenegraph::model::NodeId id : roots_) {
+    if (Status known = check_node(*snapshot_, id, "root"); !known) return known;
+  }
+  for (const scenegraph::model::NodeId id : query_.excluded) {
+    if (Status known = check_node(*snapshot_, id, "excluded"); !known) return known;
+  }
+  return {};
+}
+
+Status PrefetchJob::ask_for_trees(std::function<void()> answered, bool& asked) {
+  if (std::exchange(peers_asked_, true)) return trees_of_shards_.take();
+  asked = true;
+  trees_of_shards_.start(asked_for_trees_, std::move(answered));
+  return {};
+}
+
+/// A cast of the rays, whose answer no one reads: it builds what it meets.
+Status PrefetchJob::ask_for_rays(const std::function<void()>& answered, bool& asked) {
+  if (cut_ == nullptr)
+    cut_ = services_.shard_cuts.find_or_make(snapshot_, services_.shard_peers.size());
+  for (;;) {
+    if (std::exchange(peers_asked_, true)) {
+      if (Status taken = cast_->take(); !taken) return taken;
+    } else {
+      cast_->begin({.rays = next_rays(),
+                    .cut = cut_,
+                    .revision = snapshot_->revision(),
+                    .token = revision_.text()});
+    }
+    asked = cast_->ask(answered);
+    if (asked) return {};
+    peers_asked_ = false;
+    const scenegraph::TraceStats stats = cast_->stats();
+    progress_.add(stats.cells_expanded, stats.build_seconds);
+    progress_.rays_done += next_rays().size();
+    if (progress_.rays_done == rays_.size()) return {};
+  }
+}
+
+std::span<const Ray> PrefetchJob::next_rays() const {
+  const auto left = std::span<const Ray>(rays_).subspan(progress_.rays_done);
+  return left.first(std::min(left.size(), kRaysOfPart));
+}
+
+}  // namespace sightline::server::queries

@@ -1,0 +1,26 @@
+// What the end of a call to a peer means.
+#pragma once
+
+#include <grpcpp/support/status.h>
+
+#include <cstdint>
+#include <string>
+
+#include "accel/result.h"
+#include "server/shards/peers.h"
+
+namespace sightline::server::shards {
+
+/// Whether the peer is gone, or not at the revision.
+bool means_lost(const grpc::Status& ended);
+
+/// kUnavailable (SHARD_LOST): the peer `does_not` do what it is asked for.
+Error lost_shard(const Peers& peers, std::uint32_t shard, const std::string& does_not);
+
+/// What the peer said.
+Error error_of_peer(const Peers& peers, std::uint32_t shard, const grpc::Status& said);
+
+/// Of calls that end together the one with the lowest tells why: others were cancelled for it.
+int rank_of(const grpc::Status& ended);
+
+}  // namespace sightline::server::shards
