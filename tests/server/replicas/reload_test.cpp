@@ -1,8 +1,10 @@
 // A scene that a server cannot follow any more, as the log begins later: it is read anew.
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <future>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,17 +22,26 @@ namespace {
 
 using scenegraph::model::Update;
 using server::scenes::StoredScene;
+using server::store::postgres::PostgresStore;
 
 /// What a server has of scenes; it hears of others only when it is calls to.
 struct Member {
   explicit Member(const std::string& uri)
-      : store(std::move(*server::store::postgres::PostgresStore::open(uri, cache.path()))),
+      : store(open(uri, cache.path())),
         blobs(memory, {}, store.get()),
         keeper({*store, blobs, compute}, replica),
         scenes(memory, &keeper) {
     EXPECT_TRUE(scenes.open());
   }
   ~Member() { store->flush(); }
+
+  /// Throws, and so fails the test, if the store cannot be opened.
+  static std::unique_ptr<PostgresStore> open(const std::string& uri,
+                                             const std::filesystem::path& cache) {
+    auto opened = PostgresStore::open(uri, cache);
+    if (!opened) throw std::runtime_error(opened.error().message);
+    return std::move(*opened);
+  }
 
   std::shared_ptr<StoredScene> scene(const std::string& name) {
     const auto found = scenes.get(name);
@@ -54,7 +65,7 @@ struct Member {
 
   Directory cache;
   server::exec::MemoryAccount memory{std::uint64_t{1} << 30};
-  std::unique_ptr<server::store::postgres::PostgresStore> store;
+  std::unique_ptr<PostgresStore> store;
   server::blobs::BlobStore blobs;
   server::exec::Compute compute{2};
   std::shared_ptr<server::scenes::Replica> replica = std::make_shared<server::scenes::Replica>();

@@ -3,16 +3,14 @@
 
 #include <gtest/gtest.h>
 
-#include <future>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "server/scenes/stored_scene.h"
 #include "tests/scenegraph/put_node.h"
-#include "tests/server/scenes/fake_journal.h"
+#include "tests/server/scenes/journaled_scene.h"
 
 namespace sightline::server::scenes {
 namespace {
@@ -27,20 +25,9 @@ tests::FakeJournal::Entry request_entry(const std::string& id, std::uint64_t con
   return entry;
 }
 
-class SceneFollowerTest : public testing::Test {
+class SceneFollowerTest : public tests::JournaledScene {
  protected:
-  ~SceneFollowerTest() override {
-    while (journal_->queued() > 0) commit();
-  }
-
-  void on_queue(const std::function<void()>& task) {
-    std::promise<void> done;
-    scene_->write_queue().post(compute_, [&] {
-      task();
-      done.set_value();
-    });
-    done.get_future().wait();
-  }
+  SceneFollowerTest() : JournaledScene(std::make_shared<Replica>()) {}
 
   struct Outcome {
     std::optional<scenegraph::Applied> applied;  ///< The last that was reported.
@@ -82,18 +69,7 @@ class SceneFollowerTest : public testing::Test {
     }
     journal_->commit_of_others(std::move(updates), std::move(entry));
   }
-  void commit() {
-    journal_->commit();
-    on_queue([] {});
-  }
-  std::uint64_t revision() const { return scene_->snapshot()->revision(); }
 
-  exec::MemoryAccount memory_{std::uint64_t{1} << 30};
-  const std::shared_ptr<tests::FakeJournal> journal_ = std::make_shared<tests::FakeJournal>();
-  const std::shared_ptr<Replica> replica_ = std::make_shared<Replica>();
-  std::shared_ptr<StoredScene> scene_ = std::make_shared<StoredScene>(
-      SceneInfo{.name = "projects/p/scenes/s"}, memory_, KeptScene{journal_, 7, {}, 1, replica_});
-  exec::Compute compute_{1};
   scenegraph::model::NodeId others_last_ = 0;
 };
 

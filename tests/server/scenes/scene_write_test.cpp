@@ -2,35 +2,19 @@
 // leaves.
 #include <gtest/gtest.h>
 
-#include <future>
+#include <memory>
 #include <optional>
 
-#include "server/scenes/stored_scene.h"
 #include "tests/scenegraph/put_node.h"
-#include "tests/server/scenes/fake_journal.h"
+#include "tests/server/scenes/journaled_scene.h"
 
 namespace sightline::server::scenes {
 namespace {
 
 using scenegraph::model::Update;
 
-class SceneWriteTest : public testing::Test {
+class SceneWriteTest : public tests::JournaledScene {
  protected:
-  /// What is queued owns the scene, and the scene owns the queue.
-  ~SceneWriteTest() override {
-    while (journal_->queued() > 0) commit();
-  }
-
-  /// Runs the task on the write queue and waits for it, and for all tasks before it.
-  void on_queue(const std::function<void()>& task) {
-    std::promise<void> done;
-    scene_->write_queue().post(compute_, [&] {
-      task();
-      done.set_value();
-    });
-    done.get_future().wait();
-  }
-
   struct Answer {
     std::optional<Result<Durability>> value;
     bool is(Durability durability) const { return value && *value && **value == durability; }
@@ -49,21 +33,10 @@ class SceneWriteTest : public testing::Test {
     });
     return answer;
   }
-  void commit() {
-    journal_->commit();
-    on_queue([] {});
-  }
   void fail() {
     journal_->fail();
     on_queue([] {});
   }
-  std::uint64_t revision() const { return scene_->snapshot()->revision(); }
-
-  exec::MemoryAccount memory_{std::uint64_t{1} << 30};
-  const std::shared_ptr<tests::FakeJournal> journal_ = std::make_shared<tests::FakeJournal>();
-  std::shared_ptr<StoredScene> scene_ = std::make_shared<StoredScene>(
-      SceneInfo{.name = "projects/p/scenes/s"}, memory_, KeptScene{journal_, 7, {}});
-  exec::Compute compute_{1};
 };
 
 TEST_F(SceneWriteTest, AWriteIsPublishedAndAnsweredWhenItIsCommitted) {

@@ -22,8 +22,9 @@ struct Process {
   Pointer open(const std::string& uri,
                const server::store::StoreLimits& limits = small_disk()) const {
     auto opened = server::store::postgres::PostgresStore::open(uri, cache.path(), limits);
-    EXPECT_TRUE(opened.ok()) << opened.error().message;
-    return opened ? std::move(*opened) : nullptr;
+    if (opened) return std::move(*opened);
+    ADD_FAILURE() << opened.error().message;
+    return nullptr;
   }
 
   Directory cache;
