@@ -56,6 +56,26 @@ Status name_content(Database& database, const blobs::BlobDigest& digest, std::in
   return database.execute("UPDATE content SET named = 1 WHERE id = ?", content);
 }
 
+Status insert_blob_of_chunk(Database& database, const blobs::BlobDigest& digest,
+                            std::span<const std::byte> bytes) {
+  std::int64_t content = 0;
+  bool named = false;
+  Status done = database.each(
+      "WITH time AS (SELECT CAST(extract(epoch FROM clock_timestamp()) * 1000 AS BIGINT) AS now), "
+      "fresh AS (INSERT INTO content(begun, named) SELECT now, 1 FROM time RETURNING id), "
+      "chunk AS (INSERT INTO content_chunk SELECT id, 0, ?3 FROM fresh), "
+      "named AS (INSERT INTO blob(sum, size, stored, content) "
+      "SELECT ?1, ?2, now, id FROM fresh, time ON CONFLICT(sum) DO NOTHING RETURNING id) "
+      "SELECT fresh.id, coalesce(named.id, 0) FROM fresh LEFT JOIN named ON TRUE",
+      [&](const Row& row) {
+        content = row.number(0);
+        named = row.number(1) != 0;
+        return Status();
+      },
+      sum_bytes(digest), digest.size, bytes);
+  return !done || named ? done : name_content(database, digest, content);
+}
+
 Result<std::optional<std::int64_t>> find_content(Database& database,
                                                  const blobs::BlobDigest& digest) {
   return database.number("SELECT content FROM blob WHERE sum = ? AND size = ?", sum_bytes(digest),
@@ -64,14 +84,13 @@ Result<std::optional<std::int64_t>> find_content(Database& database,
 
 Result<std::optional<std::chrono::milliseconds>> age_of_blob(Database& database,
                                                              const blobs::BlobDigest& digest) {
-  const auto time = now(database);
-  if (!time) return time.error();
-  const auto stored = database.number("SELECT stored FROM blob WHERE sum = ? AND size = ?",
-                                      sum_bytes(digest), digest.size);
-  if (!stored) return stored.error();
-  std::optional<std::chrono::milliseconds> age;
-  if (*stored) age = std::chrono::milliseconds(*time - **stored);
-  return age;
+  const auto age = database.number(
+      "SELECT CAST(extract(epoch FROM clock_timestamp()) * 1000 AS BIGINT) - stored "
+      "FROM blob WHERE sum = ? AND size = ?",
+      sum_bytes(digest), digest.size);
+  if (!age) return age.error();
+  if (!*age) return std::optional<std::chrono::milliseconds>();
+  return std::optional(std::chrono::milliseconds(**age));
 }
 
 Result<bool> touch_blob(Database& database, const blobs::BlobDigest& digest) {

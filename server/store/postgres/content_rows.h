@@ -24,6 +24,10 @@ Status insert_content_chunk(Database& database, std::int64_t content, std::uint6
                             std::span<const std::byte> bytes);
 /// Makes the content that of the blob, which is stored from now on. What the blob had is garbage.
 Status name_content(Database& database, const blobs::BlobDigest& digest, std::int64_t content);
+/// Stores a blob of at most kContentChunk bytes, as the three before do, in one round trip unless
+/// it is stored already.
+Status insert_blob_of_chunk(Database& database, const blobs::BlobDigest& digest,
+                            std::span<const std::byte> bytes);
 /// The content of a blob; nothing if it is not stored.
 Result<std::optional<std::int64_t>> find_content(Database& database,
                                                  const blobs::BlobDigest& digest);

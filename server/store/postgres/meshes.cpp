@@ -17,6 +17,9 @@ namespace {
 
 /// Chunks of a content that are written in one transaction, and read in one.
 constexpr std::uint64_t kChunksAtOnce = 8;
+/// A mesh of at most this number of bytes is written with others, by the thread that commits.
+constexpr std::size_t kSmallMesh = std::size_t{64} << 10;
+static_assert(kSmallMesh <= kContentChunk);
 /// Blobs that one transaction removes.
 constexpr std::size_t kRemovedInOne = 256;
 constexpr const char* kSweepLease = "sweep";
@@ -79,16 +82,25 @@ Result<std::unique_ptr<BlobWriter>> Meshes::write(const blobs::BlobDigest& diges
   return std::unique_ptr<BlobWriter>(std::make_unique<Writing>(*this, digest, std::move(*copy)));
 }
 
-/// Chunks that are written before an error are garbage, which the compactor finds by its age.
 Status Meshes::upload(const blobs::BlobDigest& digest, std::span<const std::byte> bytes) {
+  Status stored = bytes.size() <= kSmallMesh
+                      ? writer_.perform(0,
+                                        [&](Database& database) {
+                                          return insert_blob_of_chunk(database, digest, bytes);
+                                        })
+                      : upload_large(digest, bytes);
+  if (stored) remember_corrupt(digest, false);
+  return stored;
+}
+
+/// Chunks that are written before an error are garbage, which the compactor finds by its age.
+Status Meshes::upload_large(const blobs::BlobDigest& digest, std::span<const std::byte> bytes) {
   auto content = write_content(bytes);
   // It may have been kept all the same, but then as garbage: another one is as good.
   if (!content && content.error().reason == "STORE_IO") content = write_content(bytes);
   if (!content) return content.error();
-  Status named = writer_.perform(
+  return writer_.perform(
       0, [&](Database& database) { return name_content(database, digest, *content); });
-  if (named) remember_corrupt(digest, false);
-  return named;
 }
 
 Result<std::int64_t> Meshes::write_content(std::span<const std::byte> bytes) {
@@ -114,9 +126,15 @@ Result<std::int64_t> Meshes::write_content(std::span<const std::byte> bytes) {
 
 bool Meshes::has(const blobs::BlobDigest& digest) {
   if (is_corrupt(digest)) return false;  // one that is damaged can be stored again
-  const auto age = pool_([&](Database& database) { return age_of_blob(database, digest); });
-  if (!age || !*age) return false;
-  if (**age < kTouchEvery) return true;
+  std::optional<std::chrono::milliseconds> age;
+  const Status asked = pool_.read_once([&](Database& database) -> Status {
+    const auto found = age_of_blob(database, digest);
+    if (!found) return found.error();
+    age = *found;
+    return {};
+  });
+  if (!asked || !age) return false;
+  if (*age < kTouchEvery) return true;
   bool there = false;
   const Status touched = pool_.write([&](Database& database) -> Status {
     const auto found = touch_blob(database, digest);

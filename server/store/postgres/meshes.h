@@ -41,6 +41,7 @@ class Meshes {
   class Writing;
 
   Status upload(const blobs::BlobDigest& digest, std::span<const std::byte> bytes);
+  Status upload_large(const blobs::BlobDigest& digest, std::span<const std::byte> bytes);
   Result<std::int64_t> write_content(std::span<const std::byte> bytes);
   Result<std::unique_ptr<MappedFile>> fetch(const blobs::BlobDigest& digest);
   Status copy(const blobs::BlobDigest& digest, std::int64_t content, MeshCache::Copy& copy);

@@ -6,15 +6,23 @@
 namespace sightline::server::store::postgres {
 
 Status Pool::lend(const Use& use) {
-  const auto read = [&](Connection& connection) {
+  return with_any([&](Connection& connection) {
     return connection.transact("BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY", use);
-  };
+  });
+}
+
+Status Pool::read_once(const std::function<Status(Database&)>& ask) {
+  return with_any([&](Connection& connection) { return ask(connection); });
+}
+
+/// With another connection, if one is lost.
+Status Pool::with_any(const std::function<Status(Connection&)>& use) {
   Status done;
   // Connections that were idle may all have been lost without having been noticed.
   for (std::size_t attempt = 0; attempt <= kPoolConnections; ++attempt) {
     bool lost = false;
     done = with([&](Connection& connection) {
-      Status ended = read(connection);
+      Status ended = use(connection);
       lost = connection.lost();
       return ended;
     });

@@ -26,6 +26,10 @@ class Pool final : public Reader {
   /// `address` outlives this object.
   explicit Pool(const Address& address) : address_(address) {}
 
+  /// Calls ask(Database&), which reads by one statement: that needs no transaction, whose beginning
+  /// and end are round trips. Tried again if the connection is lost. Errors: those of ask().
+  Status read_once(const std::function<Status(Database&)>& ask);
+
   /// Calls use(Database&) in a transaction of its own. If the connection is lost, it is unknown
   /// whether what it wrote is kept. Errors: those of use(), as Database.
   Status write(const std::function<Status(Database&)>& use);
@@ -37,6 +41,7 @@ class Pool final : public Reader {
   /// What a read sees is of one instant. Tried again if the connection is lost.
   Status lend(const Use& use) override;
 
+  Status with_any(const std::function<Status(Connection&)>& use);
   Status with(const std::function<Status(Connection&)>& use);
   Result<Pointer> take();
   Result<Pointer> connect();

@@ -1,7 +1,10 @@
 // Meshes in PostgreSQL: copies on the machine of a server, their bound, and damage.
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include "tests/server/store/postgres/postgres_test.h"
 
@@ -43,18 +46,53 @@ TEST_F(CopiedMeshes, BoundsTheCopiesOfBlobs) {
   EXPECT_EQ(*tests::load_blob(*store, digest_of_blob(large)), large);
 }
 
+/// Of meshes that are written with others, and of one that is written alone.
+constexpr std::size_t kSizes[] = {1000, 100'000};
+
 TEST_F(CopiedMeshes, ADamagedBlobCanBeStoredAgain) {
   const auto one = open();
   const auto two = two_.open(uri());
-  const std::string bytes = blob_bytes(1);
-  const auto digest = digest_of_blob(bytes);
-  ASSERT_TRUE(store_blob(*one, bytes).ok());
-  run("UPDATE content_chunk SET data = 'wrong'");
-  EXPECT_EQ(reason_of(tests::load_blob(*two, digest)), "BLOB_CORRUPT");
-  EXPECT_FALSE(two->has_blob(digest));
-  ASSERT_TRUE(store_blob(*two, bytes).ok());
-  EXPECT_TRUE(two->has_blob(digest));
-  EXPECT_EQ(*tests::load_blob(*Process().open(uri()), digest), bytes);
+  for (const std::size_t size : kSizes) {
+    const std::string bytes = blob_bytes(1, size);
+    const auto digest = digest_of_blob(bytes);
+    ASSERT_TRUE(store_blob(*one, bytes).ok());
+    run("UPDATE content_chunk SET data = 'wrong'");
+    EXPECT_EQ(reason_of(tests::load_blob(*two, digest)), "BLOB_CORRUPT");
+    EXPECT_FALSE(two->has_blob(digest));
+    ASSERT_TRUE(store_blob(*two, bytes).ok());
+    EXPECT_TRUE(two->has_blob(digest));
+    EXPECT_EQ(*tests::load_blob(*Process().open(uri()), digest), bytes);
+    EXPECT_EQ(run("SELECT count(*) FROM content WHERE named = 0 AND begun = 0"), "1")
+        << "the damaged one is garbage";
+    run("DELETE FROM content_chunk USING content WHERE content = id AND named = 0");
+    run("DELETE FROM content WHERE named = 0");
+  }
+}
+
+TEST_F(CopiedMeshes, OneContentIsNamedWhereSeveralStoreTheSame) {
+  const auto one = open();
+  const auto two = two_.open(uri());
+  for (const std::size_t size : kSizes) {
+    for (int i = 0; i < 8; ++i) {
+      const std::string bytes = blob_bytes(i, size);
+      std::vector<std::unique_ptr<BlobWriter>> writers;
+      for (PostgresStore* store : {one.get(), two.get(), one.get()}) {
+        auto writing = store->write_blob(digest_of_blob(bytes));
+        ASSERT_TRUE(writing);
+        ASSERT_TRUE((*writing)->append(as_bytes(bytes)));
+        writers.push_back(std::move(*writing));
+      }
+      {
+        std::vector<std::jthread> threads;
+        for (const auto& writer : writers)
+          threads.emplace_back([&] { EXPECT_TRUE(writer->finish()); });
+      }
+      EXPECT_EQ(*tests::load_blob(*Process().open(uri()), digest_of_blob(bytes)), bytes);
+    }
+  }
+  EXPECT_EQ(run("SELECT count(*) FROM content WHERE named = 1"), "16");
+  EXPECT_EQ(run("SELECT count(*) FROM blob JOIN content ON content = content.id WHERE named = 0"),
+            "0");
 }
 
 }  // namespace
