@@ -25,9 +25,7 @@ Result<std::vector<model::NodeId>> known_ids(const revision::Snapshot& snapshot,
   std::vector<model::NodeId> sorted(ids.begin(), ids.end());
   std::sort(sorted.begin(), sorted.end());
   sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
-  for (const model::NodeId id : sorted) {
-    if (const Status known = check_node(snapshot, id, role); !known) return known.error();
-  }
+  if (const Status known = check_nodes(snapshot, sorted, role); !known) return known.error();
   return sorted;
 }
 

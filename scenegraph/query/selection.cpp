@@ -7,24 +7,26 @@
 
 namespace sightline::scenegraph::query {
 
-Status check_node(const revision::Snapshot& snapshot, model::NodeId id, const char* role) {
-  if (snapshot.find(id) != nullptr) return {};
-  return Error{Code::kNotFound,
-               std::string(role) + " node " + std::to_string(id) + " is not in revision " +
-                   std::to_string(snapshot.revision()),
-               "NODE_NOT_FOUND"};
+Status check_nodes(const revision::Snapshot& snapshot, std::span<const model::NodeId> ids,
+                   const char* role) {
+  for (const model::NodeId id : ids) {
+    if (snapshot.find(id) != nullptr) continue;
+    return Error{Code::kNotFound,
+                 std::string(role) + " node " + std::to_string(id) + " is not in revision " +
+                     std::to_string(snapshot.revision()),
+                 "NODE_NOT_FOUND"};
+  }
+  return {};
 }
 
 Result<Selection> Selection::make(std::shared_ptr<const revision::Snapshot> snapshot,
                                   model::NodeId root, std::span<const model::NodeId> excluded,
                                   Shard shard) {
-  if (root != 0) {
-    if (const Status known = check_node(*snapshot, root, "root"); !known) return known.error();
-  }
+  const std::span<const model::NodeId> roots(&root, root != 0 ? 1 : 0);
+  if (const Status known = check_nodes(*snapshot, roots, "root"); !known) return known.error();
+  if (const Status known = check_nodes(*snapshot, excluded, "excluded"); !known)
+    return known.error();
   std::vector<model::NodeId> sorted(excluded.begin(), excluded.end());
-  for (const model::NodeId id : sorted) {
-    if (const Status known = check_node(*snapshot, id, "excluded"); !known) return known.error();
-  }
   std::sort(sorted.begin(), sorted.end());
   return Selection(std::move(snapshot), root, std::move(sorted), std::move(shard));
 }

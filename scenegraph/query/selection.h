@@ -14,8 +14,9 @@
 
 namespace sightline::scenegraph::query {
 
-/// Errors: kNotFound, naming the role and the id, if this revision has no such node.
-Status check_node(const revision::Snapshot& snapshot, model::NodeId id, const char* role);
+/// Errors: kNotFound, naming the role and the first id of which this revision has no node.
+Status check_nodes(const revision::Snapshot& snapshot, std::span<const model::NodeId> ids,
+                   const char* role);
 
 /// Each instance is decided when a ray first meets its box, by looking up the hierarchy. Making a
 /// selection takes no time in proportion to the scene. Threads: any.

@@ -78,13 +78,10 @@ Status CastJob::run_sharded(v1::CastRaysResponse& reply, const Done& done, bool&
 }
 
 Status CastJob::begin_sharded() {
-  using scenegraph::query::check_node;
-  if (query_.root != 0) {
-    if (Status known = check_node(*snapshot_, query_.root, "root"); !known) return known;
-  }
-  for (const scenegraph::model::NodeId id : query_.excluded) {
-    if (Status known = check_node(*snapshot_, id, "excluded"); !known) return known;
-  }
+  using scenegraph::query::check_nodes;
+  const std::span<const scenegraph::model::NodeId> roots(&query_.root, query_.root != 0 ? 1 : 0);
+  if (Status known = check_nodes(*snapshot_, roots, "root"); !known) return known;
+  if (Status known = check_nodes(*snapshot_, query_.excluded, "excluded"); !known) return known;
   sharded_since_ = Clock::now();
   cut_ = services_.shard_cuts.find_or_make(snapshot_, services_.shard_peers.size());
   rays_.resize(batch_.size());

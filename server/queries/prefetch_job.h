@@ -26,8 +26,8 @@ inline constexpr int kMaxPrefetchRoots = 4096;
 /// Most rays that the servers of the shards cast at a time. Progress is reported after each part.
 inline constexpr std::size_t kRaysOfPart = 4096;
 
-/// Serves one call: open(), then run() while report() may be called, then close(). Where servers
-/// answer for shards, ask() and ask() again until it has asked no one, in place of run().
+/// Serves one call: open(), then run() while report() may be called, then close(). If it
+/// is_sharded(), ask() takes the place of run(): once, and again after each time that it has asked.
 class PrefetchJob {
  public:
   /// `context`: of the call, which outlives this.
@@ -77,7 +77,6 @@ class PrefetchJob {
   Status grow();
   void report_own(v1::PrefetchResponse& response) const;
   void open_sharded(const v1::PrefetchRequest& request, const v1::CastRaysRequest& query);
-  Status check_nodes() const;
   Status ask_for_trees(std::function<void()> answered, bool& asked);
   Status ask_for_rays(const std::function<void()>& answered, bool& asked);
   std::span<const accel::geometry::Ray> next_rays() const;

@@ -30,20 +30,11 @@ Status PrefetchJob::ask(std::function<void()> answered, bool& asked) {
   if (cancelled_.load(std::memory_order_relaxed))
     return Error{Code::kCancelled, "cancelled while building", "CANCELLED"};
   if (!peers_asked_) {
-    if (Status known = check_nodes(); !known) return known;
+    using scenegraph::query::check_nodes;
+    if (Status known = check_nodes(*snapshot_, roots_, "root"); !known) return known;
+    if (Status known = check_nodes(*snapshot_, query_.excluded, "excluded"); !known) return known;
   }
   return has_rays_ ? ask_for_rays(answered, asked) : ask_for_trees(std::move(answered), asked);
-}
-
-Status PrefetchJob::check_nodes() const {
-  using scenegraph::query::check_node;
-  for (const scenegraph::model::NodeId id : roots_) {
-    if (Status known = check_node(*snapshot_, id, "root"); !known) return known;
-  }
-  for (const scenegraph::model::NodeId id : query_.excluded) {
-    if (Status known = check_node(*snapshot_, id, "excluded"); !known) return known;
-  }
-  return {};
 }
 
 Status PrefetchJob::ask_for_trees(std::function<void()> answered, bool& asked) {

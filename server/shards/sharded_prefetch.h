@@ -24,7 +24,8 @@ class ShardedPrefetch {
   ~ShardedPrefetch();
 
   /// Asks every peer for its shard of what is `asked`. Calls ended() once, when all have ended:
-  /// from a thread of gRPC, or before this returns. After that this object may be gone. Once.
+  /// from a thread of gRPC, or before this returns. After that this object may be gone. Called
+  /// once.
   void start(const v1::PrefetchRequest& asked, std::function<void()> ended);
 
   /// After ended(). Errors: kUnavailable (SHARD_LOST), what a peer said.

@@ -17,7 +17,8 @@ namespace {
 
 /// Chunks of a content that are written in one transaction, and read in one.
 constexpr std::uint64_t kChunksAtOnce = 8;
-/// A mesh of at most this number of bytes is written with others, by the thread that commits.
+/// A mesh of at most this number of bytes is written with others, by the thread that commits; a
+/// larger one would hold up their commits.
 constexpr std::size_t kSmallMesh = std::size_t{64} << 10;
 static_assert(kSmallMesh <= kContentChunk);
 /// Blobs that one transaction removes.
