@@ -129,9 +129,13 @@ TEST_F(LostConnections, APromotedStandbyHasAllThatWasAcknowledged) {
   });
   while (acknowledged < kBatches / 2) std::this_thread::yield();
   primary.kill();
+  EXPECT_EQ(reason_of(store->writable()), "STORE_IO");
   standby.promote();
   writer.join();
+  // Reads fail at once for a while, as the one above could not connect.
+  while (!store->writable()) std::this_thread::yield();
   const auto log = log_of(*store, scene);
+  ASSERT_TRUE(log) << log.error().message;
   ASSERT_EQ(log->size(), kBatches);
   for (std::uint64_t i = 0; i < kBatches; ++i) EXPECT_EQ((*log)[i], std::to_string(i));
 }
