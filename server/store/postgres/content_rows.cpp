@@ -60,7 +60,7 @@ Status insert_blob_of_chunk(Database& database, const blobs::BlobDigest& digest,
                             std::span<const std::byte> bytes) {
   std::int64_t content = 0;
   bool named = false;
-  Status done = database.each(
+  const Status done = database.each(
       "WITH time AS (SELECT CAST(extract(epoch FROM clock_timestamp()) * 1000 AS BIGINT) AS now), "
       "fresh AS (INSERT INTO content(begun, named) SELECT now, 1 FROM time RETURNING id), "
       "chunk AS (INSERT INTO content_chunk SELECT id, 0, ?3 FROM fresh), "
