@@ -82,7 +82,8 @@ std::uint32_t PacketCaster::cast(const RayColumns& rays, PacketRange range) {
   for (const instances::OpenTree& tree : trees_.all()) {
     if (scene_.stopped) break;
     if (tree.instances.size() > 0)
-      walk_tree(tree, &tree == &trees_.all().front() ? static_built_ : dynamic_built_);
+      walk_tree(tree,
+                &tree == &trees_.all().front() ? counters_.static_built : counters_.dynamic_built);
   }
   return scene_.stopped || lazy_.is_cancelled() ? 0 : end();
 }
@@ -118,7 +119,7 @@ void PacketCaster::walk_tree(const instances::OpenTree& tree, accel::kdtree::Bui
   lazy_.searches_list = entry.is_node();  // no renewing of the pin while the walk is in these nodes
   accel::wide::walk(scene_, entry, prepared.live, slots, totals);
   lazy_.searches_list = false;
-  walked_.steps += totals.nodes;
+  counters_.walked.steps += totals.nodes;
 }
 
 std::uint32_t PacketCaster::left_to_cast(std::uint32_t lanes) const {
@@ -157,7 +158,7 @@ void PacketCaster::enter(const instances::Instance& instance, std::uint32_t inde
   const accel::lazy::OwnedTree owned(lazy_, mesh.owner);
   mesh.tree.query(
       mesh_, lanes,
-      {lazy_, saw_deferred_, walked_, built, std::span(sinks_).first(collected_.size())});
+      {lazy_, saw_deferred_, counters_.walked, built, std::span(sinks_).first(collected_.size())});
   renewed_ |= lazy_.joined;
   if (mesh_.stopped) {
     scene_.stopped = true;
@@ -226,14 +227,7 @@ void PacketCaster::write(const HitColumns& hits) {
 
 TraceStats PacketCaster::stats() const {
   TraceStats stats = stats_;
-  stats.traversal_steps = walked_.steps;
-  stats.triangle_tests = walked_.tests;
-  stats.cells_expanded = static_built_.cells_expanded + dynamic_built_.cells_expanded;
-  stats.trees_begun = static_built_.trees_begun + dynamic_built_.trees_begun;
-  stats.touches = static_built_.touches + dynamic_built_.touches;
-  stats.touches_prepare = static_built_.touches_prepare + dynamic_built_.touches_prepare;
-  stats.dynamic_touches = dynamic_built_.touches + dynamic_built_.touches_prepare;
-  stats.build_seconds = static_built_.seconds + dynamic_built_.seconds;
+  counters_.add_to(stats);
   return stats;
 }
 

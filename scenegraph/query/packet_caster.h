@@ -13,6 +13,7 @@
 #include "accel/wide/packet.h"
 #include "accel/wide/walk.h"
 #include "scenegraph/instances/scene_trees.h"
+#include "scenegraph/query/cast_counters.h"
 #include "scenegraph/query/collected.h"
 #include "scenegraph/query/packet_hits.h"
 #include "scenegraph/trace_options.h"
@@ -91,8 +92,7 @@ class PacketCaster {
   const instances::OpenTrees trees_;
   const QueryKind kind_;
   const TraceOptions options_;
-  accel::kdtree::BuildCounters static_built_, dynamic_built_;
-  accel::kdtree::WalkCounters walked_;
+  CastCounters counters_;
   TraceStats stats_;
   std::vector<Collected> collected_;  // by ray, for counts and lists; else empty
   // The current packet.

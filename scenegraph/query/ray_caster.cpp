@@ -30,7 +30,7 @@ RayCaster::RayCaster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& t
     entry.instances = &tree.instances;
     entry.removed = tree.removed;
     entry.first = static_cast<std::uint32_t>(tree.first);
-    entry.built = entries_.size() == 1 ? &static_built_ : &dynamic_built_;
+    entry.built = entries_.size() == 1 ? &counters_.static_built : &counters_.dynamic_built;
   }
 }
 
@@ -49,7 +49,7 @@ void RayCaster::begin(QueryKind kind, const Ray& ray, accel::lazy::WhenPending w
   query_.any = kind == QueryKind::kAny;
   static_cast<accel::mesh::HitSinks&>(query_) = collected_.begin(kind);
   frame_ = nullptr;
-  work_before_ = walked_.steps + walked_.tests;
+  work_before_ = counters_.walked.steps + counters_.walked.tests;
   // The static tree's center is finite even if the tree is empty.
   valid_ = accel::geometry::set_local_ray(ray.origin - trees_.static_tree().center(), ray.direction,
                                           entries_.front().centered) &&
@@ -113,7 +113,7 @@ void RayCaster::ask_mesh(const instances::Instance& instance, TreeEntry& tree) {
   query_.culling = instance.mirrored ? turned(options_.culling) : options_.culling;
   const model::Mesh::OwnedTree mesh = instance.mesh->owned_tree();
   const accel::lazy::OwnedTree owned(query_, mesh.owner);
-  mesh.tree.query(query_, walked_, *tree.built);
+  mesh.tree.query(query_, counters_.walked, *tree.built);
   if (query_.primitives != nullptr && query_.found) collected_.end_mesh();
 }
 
@@ -130,7 +130,7 @@ bool RayCaster::end() {
 }
 
 std::uint32_t RayCaster::work() const {
-  const std::uint64_t work = walked_.steps + walked_.tests - work_before_;
+  const std::uint64_t work = counters_.walked.steps + counters_.walked.tests - work_before_;
   return static_cast<std::uint32_t>(
              std::min<std::uint64_t>(work, accel::geometry::kWorkDeferred - 1)) |
          (query_.saw_deferred ? accel::geometry::kWorkDeferred : 0);
@@ -175,14 +175,7 @@ Hit RayCaster::hit_of(const ListedHit& listed) const {
 
 TraceStats RayCaster::stats() const {
   TraceStats stats = stats_;
-  stats.traversal_steps = walked_.steps;
-  stats.triangle_tests = walked_.tests;
-  stats.cells_expanded = static_built_.cells_expanded + dynamic_built_.cells_expanded;
-  stats.trees_begun = static_built_.trees_begun + dynamic_built_.trees_begun;
-  stats.touches = static_built_.touches + dynamic_built_.touches;
-  stats.touches_prepare = static_built_.touches_prepare + dynamic_built_.touches_prepare;
-  stats.dynamic_touches = dynamic_built_.touches + dynamic_built_.touches_prepare;
-  stats.build_seconds = static_built_.seconds + dynamic_built_.seconds;
+  counters_.add_to(stats);
   return stats;
 }
 

@@ -10,6 +10,7 @@
 #include "accel/lazy/walk_lazily.h"
 #include "accel/mesh/mesh_tree.h"
 #include "scenegraph/instances/scene_trees.h"
+#include "scenegraph/query/cast_counters.h"
 #include "scenegraph/query/collected.h"
 #include "scenegraph/query/entered.h"
 #include "scenegraph/trace_options.h"
@@ -99,9 +100,8 @@ class RayCaster {
   TraceOptions options_;
   accel::lazy::WaitingRays* waiting_ = nullptr;
   std::vector<TreeEntry> entries_;  // the static tree first
-  accel::kdtree::BuildCounters static_built_, dynamic_built_;
   TraceStats stats_;
-  accel::kdtree::WalkCounters walked_;
+  CastCounters counters_;
   // Memory that is used again for each ray.
   Collected collected_;
   // The current ray.
@@ -181,10 +181,10 @@ void RayCaster::walk_instances(TreeEntry& tree, const Enter& enter) {
   InstanceTest<Enter> test(*this, tree, enter);
   if (tree.instances->is_searched()) {
     test.everything();
-    walked_.steps += test.tests;
+    counters_.walked.steps += test.tests;
     return tree.instances->count_searched(test.tests);
   }
-  walk_lazily(tree.instances->tree(), tree.ray, query_, walked_, *tree.built, test);
+  walk_lazily(tree.instances->tree(), tree.ray, query_, counters_.walked, *tree.built, test);
 }
 
 }  // namespace sightline::scenegraph::query

@@ -44,7 +44,7 @@ class PacketCaster::SceneSlots final : public accel::wide::SlotVisitor {
   /// Instead of a walk: see instances::Instances::is_searched.
   void search_all(std::uint32_t lanes) {
     visit_references(tree_.coarsest(), lanes);
-    caster_.walked_.steps += tests_;
+    caster_.counters_.walked.steps += tests_;
     tree_.count_searched(tests_);
   }
 
@@ -153,11 +153,12 @@ class PacketCaster::SceneSlots final : public accel::wide::SlotVisitor {
     if (!accel::kdtree::enter(ray, tree.bounds(), rays.tmin[lane] / ray.unit,
                               std::min(rays.tmax[lane], caster_.best_.t[lane]) / ray.unit, in_tree))
       return;
-    const std::uint64_t before = caster_.walked_.steps;
+    const std::uint64_t before = caster_.counters_.walked.steps;
     LaneVisit visit{*this, lane};
-    accel::kdtree::walk(tree, in_tree, slot, caster_.walked_, visit);
-    tree_.tree().count_steps(caster_.walked_.steps - before);
-    caster_.scene_.work[lane] += static_cast<std::uint32_t>(caster_.walked_.steps - before);
+    accel::kdtree::walk(tree, in_tree, slot, caster_.counters_.walked, visit);
+    tree_.tree().count_steps(caster_.counters_.walked.steps - before);
+    caster_.scene_.work[lane] +=
+        static_cast<std::uint32_t>(caster_.counters_.walked.steps - before);
   }
 
   void visit_leaf(std::span<const std::uint32_t> ids, std::uint32_t lanes) {
