@@ -14,6 +14,7 @@
 #include "scenegraph/query/ray_blocks.h"
 #include "scenegraph/scene.h"
 #include "tests/scenegraph/put_node.h"
+#include "tests/scenegraph/random_hierarchy.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/compare_hits.h"
 #include "tests/support/random.h"
@@ -27,57 +28,20 @@ using accel::geometry::HitState;
 using accel::geometry::Ray;
 using accel::geometry::Vec3d;
 
-model::PutNode put_mesh(model::NodeRef node, std::shared_ptr<const model::Mesh> mesh,
-                        const model::Affine& where, model::NodeRef parent = 0) {
-  model::PutNode p;
-  p.node = node;
-  p.parent = parent;
-  p.name = "n" + std::to_string(-node);
-  p.mesh = std::move(mesh);
-  p.mesh_digest = p.mesh ? "digest" : "";
-  p.parent_from_local = where;
-  return p;
-}
-
-model::Affine random_affine(tests::Random& random, double reach) {
-  for (;;) {
-    model::Affine a;
-    for (double& x : a.m) x = random.uniform(-1, 1);
-    for (const std::size_t i : {3u, 7u, 11u}) a.m[i] = random.uniform(-reach, reach);
-    const auto back = inverse(a);
-    if (back && condition(a, *back) < 100) return a;
-  }
-}
-
 /// Two meshes, many instances: rotated, sheared, mirrored, overlapping, some under a moved parent.
 std::shared_ptr<const revision::Snapshot> random_scene(int instances, double reach = 4) {
   tests::Random random(21);
   const auto sphere = tests::mesh_of(tests::icosphere(5)),
              soup = tests::mesh_of(tests::random_soup(500, 0.2, 5));
   Scene scene;
-  std::vector<model::Update> updates{put_mesh(-1, nullptr, random_affine(random, 1))};
+  std::vector<model::Update> updates{
+      tests::put_node(-1, 0, nullptr, tests::random_frame(random, tests::Frames::kSheared, 1))};
   for (int i = 0; i < instances; ++i) {
-    updates.push_back(put_mesh(-2 - i, i % 3 == 0 ? soup : sphere, random_affine(random, reach),
-                               i % 2 == 0 ? -1 : 0));
+    updates.push_back(tests::put_node(-2 - i, i % 2 == 0 ? -1 : 0, i % 3 == 0 ? soup : sphere,
+                                      tests::random_frame(random, tests::Frames::kSheared, reach)));
   }
   EXPECT_TRUE(scene.apply(updates));
   return scene.snapshot();
-}
-
-std::vector<Ray> rays_through(const revision::Snapshot& snapshot, std::size_t n,
-                              std::uint64_t seed) {
-  tests::Random random(seed);
-  const revision::WorldBounds& b = snapshot.bounds();
-  std::vector<Ray> rays(n);
-  for (Ray& ray : rays) {
-    const auto p = [&] {
-      return Vec3d{random.uniform(b.lo.x, b.hi.x), random.uniform(b.lo.y, b.hi.y),
-                   random.uniform(b.lo.z, b.hi.z)};
-    };
-    ray.origin = p();
-    ray.direction = p() - ray.origin;
-  }
-  return rays;
 }
 
 std::vector<Hit> cast(const revision::Snapshot& snapshot, const std::vector<Ray>& rays,
@@ -102,7 +66,7 @@ void expect_same(const std::vector<Hit>& a, const std::vector<Hit>& b) {
 
 TEST(Trace, EqualsTheOracleOverInstances) {
   const auto snapshot = random_scene(40);
-  const std::vector<Ray> rays = rays_through(*snapshot, 3000, 1);
+  const std::vector<Ray> rays = tests::rays_through(*snapshot, 3000, 1);
   const tests::BruteForce oracle(snapshot);
   const auto comparison =
       tests::compare(rays, cast(*snapshot, rays), oracle, {.any = false, .surface = true});
@@ -111,7 +75,7 @@ TEST(Trace, EqualsTheOracleOverInstances) {
 }
 
 TEST(Trace, LazyFullAndScannedAgreeForAnyThreadsAndBatches) {
-  const std::vector<Ray> rays = rays_through(*random_scene(60), 4000, 2);
+  const std::vector<Ray> rays = tests::rays_through(*random_scene(60), 4000, 2);
   TraceOptions full;
   full.growth = Growth::kFull;
   const std::vector<Hit> expected = cast(*random_scene(60), rays, full);
@@ -133,7 +97,7 @@ TEST(Trace, LazyFullAndScannedAgreeForAnyThreadsAndBatches) {
 
 TEST(Trace, AnyAgreesWithClosest) {
   const auto snapshot = random_scene(40);
-  const std::vector<Ray> rays = rays_through(*snapshot, 2000, 3);
+  const std::vector<Ray> rays = tests::rays_through(*snapshot, 2000, 3);
   TraceOptions any;
   any.kind = QueryKind::kAny;
   const std::vector<Hit> occluded = cast(*random_scene(40), rays, any),
@@ -145,7 +109,7 @@ TEST(Trace, AnyAgreesWithClosest) {
 
 TEST(Trace, RepeatedRaysExpandNothing) {
   const auto snapshot = random_scene(40);
-  const std::vector<Ray> rays = rays_through(*snapshot, 1000, 4);
+  const std::vector<Ray> rays = tests::rays_through(*snapshot, 1000, 4);
   std::vector<Hit> hits(rays.size());
   // On one thread: with several, a ray that comes second to a busy cell would scan its list and
   // leave it deferred.
@@ -162,9 +126,9 @@ TEST(Trace, OnlyEnteredInstancesGrow) {
   const auto sphere = tests::mesh_of(tests::icosphere(5)),
              other = tests::mesh_of(tests::icosphere(4));
   Scene scene;
-  ASSERT_TRUE(
-      scene.apply({put_mesh(-1, sphere, model::Affine{}),
-                   put_mesh(-2, other, model::Affine{{1, 0, 0, 100, 0, 1, 0, 0, 0, 0, 1, 0}})}));
+  ASSERT_TRUE(scene.apply(
+      {tests::put_node(-1, 0, sphere),
+       tests::put_node(-2, 0, other, model::Affine{{1, 0, 0, 100, 0, 1, 0, 0, 0, 0, 1, 0}})}));
   const auto snapshot = scene.snapshot();
   EXPECT_EQ(cast(*snapshot, {Ray{{0, 0, 5}, {0, 0, -1}}})[0].node, 1u);
   const revision::BuildSummary s = summarize_build(*snapshot);
@@ -182,7 +146,7 @@ TEST(Trace, OnlyEnteredInstancesGrow) {
 
 TEST(Trace, BuiltOnlySkipsDeferredCells) {
   const auto snapshot = random_scene(10);
-  const std::vector<Ray> rays = rays_through(*snapshot, 200, 6);
+  const std::vector<Ray> rays = tests::rays_through(*snapshot, 200, 6);
   TraceOptions sketch;
   sketch.growth = Growth::kBuiltOnly;
   for (const Hit& hit : cast(*snapshot, rays, sketch)) {
@@ -197,7 +161,7 @@ TEST(Trace, BuiltOnlySkipsDeferredCells) {
 TEST(Trace, MarksBadRaysAndAnswersTheOthers) {
   const auto snapshot = random_scene(5);
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = accel::geometry::kInfinity;
-  std::vector<Ray> rays = rays_through(*snapshot, 7, 7);
+  std::vector<Ray> rays = tests::rays_through(*snapshot, 7, 7);
   const std::vector<Hit> good = cast(*snapshot, rays);
   rays[0].direction = {0, 0, 0};
   rays[1].origin.x = nan;
@@ -219,7 +183,7 @@ TEST(Trace, MarksBadRaysAndAnswersTheOthers) {
 
 TEST(Trace, LimitsAreClosedAndMasksHide) {
   Scene scene;
-  model::PutNode wall = put_mesh(-1, tests::mesh_of(tests::cube()), model::Affine{});
+  model::PutNode wall = tests::put_node(-1, 0, tests::mesh_of(tests::cube()));
   wall.mask = 2;
   ASSERT_TRUE(scene.apply({wall}));
   const auto snapshot = scene.snapshot();
@@ -249,8 +213,8 @@ TEST(Trace, LimitsAreClosedAndMasksHide) {
 TEST(Trace, TiesGoToTheSmallestNodeThenFace) {
   const auto mesh = tests::mesh_of(tests::duplicates(5));
   Scene scene;
-  ASSERT_TRUE(scene.apply({put_mesh(-1, mesh, model::Affine{}), put_mesh(-2, mesh, model::Affine{}),
-                           put_mesh(-3, mesh, model::Affine{})}));
+  ASSERT_TRUE(scene.apply(
+      {tests::put_node(-1, 0, mesh), tests::put_node(-2, 0, mesh), tests::put_node(-3, 0, mesh)}));
   ASSERT_TRUE(scene.apply({model::DeleteNode{1}}));
   const Hit hit = cast(*scene.snapshot(), {Ray{{0.2, 0.2, 1}, {0, 0, -1}}})[0];
   EXPECT_EQ(hit.node, 2u);
@@ -261,9 +225,9 @@ TEST(Trace, MillimetresTenThousandKilometresOut) {
   const auto sphere = tests::mesh_of(tests::icosphere(3));
   const model::Affine far{{1e-3, 0, 0, 1e7, 0, 1e-3, 0, -1e7, 0, 0, 1e-3, 1e7}};
   Scene scene, home;
-  ASSERT_TRUE(scene.apply({put_mesh(-1, sphere, far)}));
-  ASSERT_TRUE(home.apply(
-      {put_mesh(-1, sphere, model::Affine{{1e-3, 0, 0, 0, 0, 1e-3, 0, 0, 0, 0, 1e-3, 0}})}));
+  ASSERT_TRUE(scene.apply({tests::put_node(-1, 0, sphere, far)}));
+  ASSERT_TRUE(home.apply({tests::put_node(
+      -1, 0, sphere, model::Affine{{1e-3, 0, 0, 0, 0, 1e-3, 0, 0, 0, 0, 1e-3, 0}})}));
   // On a lattice of 2^-20 the far origin is exact.
   const auto lattice = [](double x) { return std::round(x * 0x1p+20) * 0x1p-20; };
   tests::Random random(5);
@@ -299,7 +263,7 @@ TEST(Trace, StopsBetweenTheRaysOfABlock) {
 
 TEST(Trace, StopsWhenCancelled) {
   const auto snapshot = random_scene(5);
-  const std::vector<Ray> rays = rays_through(*snapshot, 2000, 8);
+  const std::vector<Ray> rays = tests::rays_through(*snapshot, 2000, 8);
   std::vector<Hit> hits(rays.size());
   const std::atomic<bool> cancelled{true};
   TraceOptions options;
@@ -321,7 +285,7 @@ TEST(Trace, EmptyScenesAndBatches) {
 
 TEST(Trace, EightThreadsMeetInAColdScene) {
   const auto snapshot = random_scene(80, 2);
-  const std::vector<Ray> rays = rays_through(*snapshot, 3000, 9);
+  const std::vector<Ray> rays = tests::rays_through(*snapshot, 3000, 9);
   const std::vector<Hit> expected = cast(*random_scene(80, 2), rays);
   std::atomic<int> wrong{0};
   std::vector<std::thread> threads;
@@ -338,7 +302,7 @@ TEST(Trace, EightThreadsMeetInAColdScene) {
 TEST(Trace, AnswersStayWholeWhileTheSceneChanges) {
   const auto sphere = tests::mesh_of(tests::icosphere(3));
   Scene scene;
-  ASSERT_TRUE(scene.apply({put_mesh(-1, sphere, model::Affine{})}));
+  ASSERT_TRUE(scene.apply({tests::put_node(-1, 0, sphere)}));
   std::atomic<bool> stop{false};
   std::thread writer([&] {
     for (int i = 1; !stop; ++i) {

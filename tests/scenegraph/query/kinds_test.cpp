@@ -12,6 +12,7 @@
 #include "scenegraph/scene.h"
 #include "scenegraph/trace.h"
 #include "tests/scenegraph/put_node.h"
+#include "tests/scenegraph/random_hierarchy.h"
 #include "tests/support/kinds.h"
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
@@ -23,7 +24,6 @@ using accel::geometry::Culling;
 using accel::geometry::Hit;
 using accel::geometry::HitState;
 using accel::geometry::Ray;
-using accel::geometry::Vec3d;
 using tests::ask_all_kinds;
 using tests::contradiction;
 using tests::KindAnswers;
@@ -33,33 +33,11 @@ std::shared_ptr<const model::Mesh> mesh_with(const accel::published::AnyBuilder&
   return *model::Mesh::make(m.vertices, m.faces, builder);
 }
 
-model::PutNode put_mesh(model::NodeRef node, std::shared_ptr<const model::Mesh> mesh,
-                        const model::Affine& where = {}, model::NodeRef parent = 0) {
-  model::PutNode p;
-  p.node = node;
-  p.parent = parent;
-  p.mesh = std::move(mesh);
-  p.mesh_digest = p.mesh ? "digest" : "";
-  p.parent_from_local = where;
-  return p;
-}
-
 /// Small triangles, and some large ones across all of them, which are in very many leaves.
 tests::TestMesh straddled(std::uint32_t triangles, std::uint64_t seed) {
   tests::TestMesh mesh = tests::random_soup(triangles, 0.08, seed);
   mesh.append(tests::random_soup(20, 3, seed + 1));
   return mesh;
-}
-
-/// In either orientation, not too flat.
-model::Affine random_affine(tests::Random& random, double reach) {
-  for (;;) {
-    model::Affine a;
-    for (double& x : a.m) x = random.uniform(-1, 1);
-    for (const std::size_t i : {3u, 7u, 11u}) a.m[i] = random.uniform(-reach, reach);
-    const auto back = inverse(a);
-    if (back && condition(a, *back) < 50) return a;
-  }
 }
 
 /// Node 1 is a group with the even nodes below it; node 2 lies under 1 and has a mesh and every
@@ -70,11 +48,12 @@ std::shared_ptr<const revision::Snapshot> random_scene(
   const auto sphere = mesh_with(builder, tests::icosphere(2));
   const auto soup = mesh_with(builder, straddled(300, 5));
   Scene scene;
-  std::vector<model::Update> updates{put_mesh(-1, nullptr, random_affine(random, 1))};
+  std::vector<model::Update> updates{
+      tests::put_node(-1, 0, nullptr, tests::random_frame(random, tests::Frames::kSheared, 1))};
   for (int id = 2; id <= nodes; ++id) {
     const model::NodeRef parent = id == 2 ? -1 : id % 4 == 0 ? -2 : id % 2 == 0 ? -1 : 0;
-    model::PutNode node =
-        put_mesh(-id, id % 3 == 0 ? sphere : soup, random_affine(random, 2), parent);
+    model::PutNode node = tests::put_node(-id, parent, id % 3 == 0 ? sphere : soup,
+                                          tests::random_frame(random, tests::Frames::kSheared, 2));
     node.mask = 1u << (id % 3);
     updates.push_back(node);
   }
@@ -89,16 +68,9 @@ std::shared_ptr<const revision::Snapshot> random_scene(int nodes) {
 /// Some with limits and masks of their own.
 std::vector<Ray> rays_through(const revision::Snapshot& snapshot, std::size_t n,
                               std::uint64_t seed) {
-  tests::Random random(seed);
-  const revision::WorldBounds& b = snapshot.bounds();
-  std::vector<Ray> rays(n);
+  std::vector<Ray> rays = tests::rays_through(snapshot, n, seed);
+  tests::Random random(seed + 1000);
   for (Ray& ray : rays) {
-    const auto p = [&] {
-      return Vec3d{random.uniform(b.lo.x, b.hi.x), random.uniform(b.lo.y, b.hi.y),
-                   random.uniform(b.lo.z, b.hi.z)};
-    };
-    ray.origin = p();
-    ray.direction = p() - ray.origin;
     if (random.below(2) == 0) {
       ray.tmin = random.uniform(-0.5, 0.5);
       ray.tmax = ray.tmin + random.uniform(0, 1);
@@ -266,7 +238,7 @@ TEST(Kinds, AListMayPauseBetweenBlocks) {
 TEST(Kinds, CoincidentTrianglesAreSeparateHits) {
   const auto mesh = tests::mesh_of(tests::duplicates(300));
   Scene scene;
-  ASSERT_TRUE(scene.apply({put_mesh(-1, mesh), put_mesh(-2, mesh)}));
+  ASSERT_TRUE(scene.apply({tests::put_node(-1, 0, mesh), tests::put_node(-2, 0, mesh)}));
   const Ray ray{{0.2, 0.2, 1}, {0, 0, -1}};
   TraceOptions options;
   options.max_hits = 1000;
@@ -294,7 +266,7 @@ TEST(Kinds, OneRayMayHaveThousandsOfHits) {
   for (const Growth growth : {Growth::kNone, Growth::kDemand, Growth::kFirstTouch, Growth::kFull}) {
     for (const std::uint32_t max_hits : {10u, 100u, 1000u, 4999u, 5000u, 5001u}) {
       Scene scene;
-      ASSERT_TRUE(scene.apply({put_mesh(-1, mesh)}));
+      ASSERT_TRUE(scene.apply({tests::put_node(-1, 0, mesh)}));
       TraceOptions options;
       options.growth = growth;
       options.max_hits = max_hits;
@@ -313,7 +285,7 @@ TEST(Kinds, CullingUsesTheWindingInSceneCoordinates) {
   const model::Affine mirror{{-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
   for (const model::Affine& where : {model::Affine{}, mirror}) {
     Scene scene;
-    ASSERT_TRUE(scene.apply({put_mesh(-1, tests::mesh_of(tests::cube()), where)}));
+    ASSERT_TRUE(scene.apply({tests::put_node(-1, 0, tests::mesh_of(tests::cube()), where)}));
     const Ray ray{{0.25, 0.125, 5}, {0, 0, -2}};
     const auto ask = [&](Culling culling) {
       TraceOptions options;
@@ -348,7 +320,7 @@ TEST(Kinds, EveryHitIsAFrontOrABack) {
 
 TEST(Kinds, AnOddCountMeansInside) {
   Scene scene;
-  ASSERT_TRUE(scene.apply({put_mesh(-1, tests::mesh_of(tests::icosphere(4)))}));
+  ASSERT_TRUE(scene.apply({tests::put_node(-1, 0, tests::mesh_of(tests::icosphere(4)))}));
   tests::Random random(12);
   std::vector<Ray> rays;
   for (int i = 0; i < 4000; ++i) {

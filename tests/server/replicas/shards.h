@@ -72,7 +72,7 @@ class Shards : public ReplicaTest {
     Api& writer = plain_->api();
     ASSERT_TRUE(writer.create(kScene).ok());
     const std::string meshes[] = {writer.add_mesh(icosphere(2)), writer.add_mesh(cube())};
-    std::vector<v1::Update> updates{put_node(-1, {}, 0, at(0.5, 0, 0))};
+    std::vector<v1::Update> updates{put_node(-1, std::string(), 0, at(0.5, 0, 0))};
     for (int i = 0; i < nodes; ++i) {
       updates.push_back(put_node(-2 - i, meshes[i % 2], i % 3 == 0 ? -1 : 0, transform(i)));
       updates.back().mutable_put_node()->set_name("node " + std::to_string(i));
