@@ -33,13 +33,6 @@ class CastRpcTest : public LiveServer {
  protected:
   using LiveServer::LiveServer;
 
-  v1::CastRaysResponse cast(const v1::CastRaysRequest& request) {
-    v1::CastRaysResponse reply;
-    const grpc::Status status = api_.cast(request, &reply);
-    EXPECT_TRUE(status.ok()) << status.error_message();
-    return reply;
-  }
-
   grpc::Status fail(const v1::CastRaysRequest& request) {
     v1::CastRaysResponse reply;
     return api_.cast(request, &reply);
@@ -55,7 +48,7 @@ TEST_F(CastRpcTest, HitsEqualTheOracles) {
     v1::CastRaysRequest request = cast_request(kScene, rays);
     request.set_build(build);
     ask_for_all(request);
-    const v1::CastRaysResponse reply = cast(request);
+    const v1::CastRaysResponse reply = api_.cast(request);
     EXPECT_EQ(reply.served().revision(), 1u);
     const Comparison compared = compare(rays, decode_hits(reply), oracle, {.surface = true});
     EXPECT_TRUE(compared.clean()) << compared.report();
@@ -69,10 +62,10 @@ TEST_F(CastRpcTest, AnyAgreesWithClosest) {
   api_.make_scene(kScene, random_soup(2000, 0.1, 11));
   v1::CastRaysRequest request = cast_request(kScene, random_rays(5000, 3));
   request.add_fields(v1::HIT_FIELD_HIT);
-  const std::string closest = column_of(cast(request), v1::HIT_FIELD_HIT);
+  const std::string closest = column_of(api_.cast(request), v1::HIT_FIELD_HIT);
   request.set_kind(v1::QUERY_KIND_ANY);
   request.clear_fields();
-  EXPECT_EQ(column_of(cast(request), v1::HIT_FIELD_HIT), closest);
+  EXPECT_EQ(column_of(api_.cast(request), v1::HIT_FIELD_HIT), closest);
 }
 
 TEST_F(CastRpcTest, AFewRaysAreAnsweredAlikeOverBuiltAndDeferredCells) {
@@ -88,7 +81,7 @@ TEST_F(CastRpcTest, AFewRaysAreAnsweredAlikeOverBuiltAndDeferredCells) {
       for (const v1::QueryKind kind :
            {v1::QUERY_KIND_ANY, v1::QUERY_KIND_CLOSEST, v1::QUERY_KIND_COUNT}) {
         request.set_kind(kind);
-        const v1::CastRaysResponse reply = cast(request);
+        const v1::CastRaysResponse reply = api_.cast(request);
         EXPECT_EQ(reply.stats().rays(), server::queries::kImmediateCast);
         cells += reply.stats().cells_expanded();
         for (const v1::HitColumn& column : reply.columns()) answers.push_back(column.data());
@@ -102,7 +95,7 @@ TEST_F(CastRpcTest, AFewRaysAreAnsweredAlikeOverBuiltAndDeferredCells) {
   EXPECT_EQ(growing, built);
   v1::CastRaysRequest all = cast_request(kScene, rays);
   all.set_build(v1::BUILD_MODE_FULL);
-  const std::string t = column_of(cast(all), v1::HIT_FIELD_T);
+  const std::string t = column_of(api_.cast(all), v1::HIT_FIELD_T);
   for (std::size_t i = 0; i < 40; ++i) {
     const std::size_t bytes = server::queries::kImmediateCast * sizeof(double);
     EXPECT_EQ(built[5 * i + 1], t.substr(i * bytes, bytes)) << "any, t, node, primitive, count";
@@ -112,13 +105,13 @@ TEST_F(CastRpcTest, AFewRaysAreAnsweredAlikeOverBuiltAndDeferredCells) {
 TEST_F(CastRpcTest, RepliesWithTheRequestedFieldsOnly) {
   api_.make_scene(kScene, planar_sheet(1));
   v1::CastRaysRequest request = cast_request(kScene, rays_downward(10));
-  const v1::CastRaysResponse standard = cast(request);
+  const v1::CastRaysResponse standard = api_.cast(request);
   ASSERT_EQ(standard.columns_size(), 3);
   EXPECT_EQ(column_of(standard, v1::HIT_FIELD_T).size(), 80u);
   EXPECT_EQ(column_of(standard, v1::HIT_FIELD_NODE).size(), 80u);
   EXPECT_EQ(column_of(standard, v1::HIT_FIELD_PRIMITIVE).size(), 40u);
   request.add_fields(v1::HIT_FIELD_NORMAL);
-  const v1::CastRaysResponse normal = cast(request);
+  const v1::CastRaysResponse normal = api_.cast(request);
   ASSERT_EQ(normal.columns_size(), 1);
   EXPECT_EQ(column_of(normal, v1::HIT_FIELD_NORMAL).size(), 120u);
 }
@@ -131,7 +124,7 @@ TEST_F(CastRpcTest, MarksBadRaysAndServesTheOthers) {
   rays[2].direction.y = std::numeric_limits<double>::infinity();
   v1::CastRaysRequest request = cast_request(kScene, rays);
   ask_for_all(request);
-  const v1::CastRaysResponse reply = cast(request);
+  const v1::CastRaysResponse reply = api_.cast(request);
   EXPECT_EQ(column_of(reply, v1::HIT_FIELD_HIT), std::string("\2\2\2\1"));
   const auto hits = decode_hits(reply);
   EXPECT_TRUE(std::isnan(hits[0].t));
@@ -163,7 +156,7 @@ TEST_F(CastRpcTest, RefusesMoreGeneratedRaysThanARequestMayHave) {
       << all.error_message();
   generator.set_first(std::uint64_t{1} << 30);
   generator.set_count(server::queries::kMaxRaysPerRequest);
-  EXPECT_EQ(cast(request).stats().rays(), server::queries::kMaxRaysPerRequest);
+  EXPECT_EQ(api_.cast(request).stats().rays(), server::queries::kMaxRaysPerRequest);
   scan.clear_up();
   const grpc::Status bad = api_.cast(request, &reply);
   EXPECT_EQ(bad.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
@@ -179,7 +172,7 @@ TEST_F(CastRpcTest, AcceptsFloat32Columns) {
   request.mutable_rays()->set_directions(direction, sizeof(direction));
   request.add_fields(v1::HIT_FIELD_T);
   const double t = 1.5;
-  EXPECT_EQ(column_of(cast(request), v1::HIT_FIELD_T),
+  EXPECT_EQ(column_of(api_.cast(request), v1::HIT_FIELD_T),
             std::string(reinterpret_cast<const char*>(&t), sizeof(t)));
 }
 
@@ -187,11 +180,11 @@ TEST_F(CastRpcTest, AnEmptySceneAndAnEmptyBatchAreAnswered) {
   ASSERT_TRUE(api_.create(kScene).ok());
   v1::CastRaysRequest request = cast_request(kScene, rays_downward(3));
   request.add_fields(v1::HIT_FIELD_HIT);
-  const v1::CastRaysResponse missed = cast(request);
+  const v1::CastRaysResponse missed = api_.cast(request);
   EXPECT_EQ(column_of(missed, v1::HIT_FIELD_HIT), std::string(3, '\0'));
   EXPECT_EQ(missed.served().revision(), 0u);
   request.clear_rays();
-  EXPECT_EQ(cast(request).columns(0).data(), "");
+  EXPECT_EQ(api_.cast(request).columns(0).data(), "");
 }
 
 TEST_F(CastRpcTest, RefusesTooManyRaysByNumber) {
@@ -201,9 +194,10 @@ TEST_F(CastRpcTest, RefusesTooManyRaysByNumber) {
   EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_EQ(reason_of(status), "TOO_MANY_RAYS");
   EXPECT_NE(status.error_message().find("16385 rays, the limit is 16384"), std::string::npos);
-  EXPECT_EQ(
-      cast(cast_request(kScene, rays_downward(server::queries::kMaxRaysPerRequest))).stats().rays(),
-      server::queries::kMaxRaysPerRequest);
+  EXPECT_EQ(api_.cast(cast_request(kScene, rays_downward(server::queries::kMaxRaysPerRequest)))
+                .stats()
+                .rays(),
+            server::queries::kMaxRaysPerRequest);
 }
 
 TEST_F(CastRpcTest, RefusesBadRequests) {
@@ -222,18 +216,18 @@ TEST_F(CastRpcTest, GrowsOnlyAsTheBuildModeAllows) {
   api_.make_scene(kScene, planar_sheet(64));
   v1::CastRaysRequest request = cast_request(kScene, rays_downward(100));
   request.set_build(v1::BUILD_MODE_NONE);
-  EXPECT_EQ(cast(request).stats().cells_expanded(), 0u);
+  EXPECT_EQ(api_.cast(request).stats().cells_expanded(), 0u);
   EXPECT_EQ(api_.stats(kScene).triangles_built(), 0u);
 
   request.set_build(v1::BUILD_MODE_UNSPECIFIED);
-  EXPECT_GT(cast(request).stats().cells_expanded(), 0u);
-  EXPECT_EQ(cast(request).stats().cells_expanded(), 0u) << "the same rays again";
+  EXPECT_GT(api_.cast(request).stats().cells_expanded(), 0u);
+  EXPECT_EQ(api_.cast(request).stats().cells_expanded(), 0u) << "the same rays again";
   const auto lazy = api_.stats(kScene);
   EXPECT_GT(lazy.triangles_built(), 0u);
   EXPECT_LT(lazy.triangles_built(), lazy.triangles_total() / 2);
 
   request.set_build(v1::BUILD_MODE_FULL);
-  cast(request);
+  api_.cast(request);
   const auto full = api_.stats(kScene);
   EXPECT_EQ(full.cells_deferred(), 0u);
   EXPECT_EQ(full.triangles_built(), full.triangles_total());
@@ -262,7 +256,7 @@ TEST_F(CastRpcTest, AnExpiredDeadlineIsReported) {
   EXPECT_EQ(
       api_.rays->CastRays(&context, cast_request(kScene, rays_downward(10)), &reply).error_code(),
       grpc::StatusCode::DEADLINE_EXCEEDED);
-  cast(cast_request(kScene, rays_downward(10)));
+  api_.cast(cast_request(kScene, rays_downward(10)));
 }
 
 server::ServerConfig with_full_policy() {
@@ -278,7 +272,7 @@ class FullPolicyTest : public CastRpcTest {
 
 TEST_F(FullPolicyTest, BuildsEverythingBeforeTheFirstRay) {
   api_.make_scene(kScene, planar_sheet(64));
-  cast(cast_request(kScene, rays_downward(1)));
+  api_.cast(cast_request(kScene, rays_downward(1)));
   const auto stats = api_.stats(kScene);
   EXPECT_EQ(stats.cells_deferred(), 0u);
   EXPECT_EQ(stats.triangles_built(), stats.triangles_total());
@@ -302,7 +296,7 @@ TEST_F(ShortQueueTest, RefusesABatchAboveTheLimitAndNamesIt) {
   EXPECT_EQ(reason_of(status), "QUEUE_FULL");
   EXPECT_NE(status.error_message().find("101 more"), std::string::npos);
   EXPECT_NE(status.error_message().find("limit of 100"), std::string::npos);
-  for (int i = 0; i < 10; ++i) cast(cast_request(kScene, rays_downward(100)));
+  for (int i = 0; i < 10; ++i) api_.cast(cast_request(kScene, rays_downward(100)));
 }
 
 TEST_F(ShortQueueTest, BatchesThatListHitsLeaveCapacityForOthers) {
@@ -316,7 +310,7 @@ TEST_F(ShortQueueTest, BatchesThatListHitsLeaveCapacityForOthers) {
   EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_EQ(reason_of(status), "QUEUE_FULL");
   EXPECT_NE(status.error_message().find("limit of 50"), std::string::npos);
-  for (int i = 0; i < 3; ++i) cast(all_of(50));
+  for (int i = 0; i < 3; ++i) api_.cast(all_of(50));
 }
 
 }  // namespace

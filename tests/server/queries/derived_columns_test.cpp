@@ -34,13 +34,6 @@ std::vector<std::string> names(const v1::CastRaysResponse& reply) {
 
 class DerivedColumnsTest : public LiveServer {
  protected:
-  v1::CastRaysResponse cast(const v1::CastRaysRequest& request) {
-    v1::CastRaysResponse reply;
-    const grpc::Status status = api_.cast(request, &reply);
-    EXPECT_TRUE(status.ok()) << status.error_message();
-    return reply;
-  }
-
   /// A node for each name, under none, that carries a triangle over the unit square, moved by 2
   /// along x from the one before.
   void make_row(const std::vector<std::string>& of_nodes) {
@@ -87,8 +80,8 @@ TEST_F(DerivedColumnsTest, APositionIsOriginPlusTTimesDirection) {
   for (const std::size_t count : {kImmediateCast, kRaysPerSlice + 3}) {
     auto rays = random_rays(count, 3);
     rays[1].direction = {};
-    const auto reply = cast(request_of(rays, {v1::HIT_FIELD_POSITION, v1::HIT_FIELD_T}));
-    const auto alone = cast(request_of(rays, {v1::HIT_FIELD_POSITION}));
+    const auto reply = api_.cast(request_of(rays, {v1::HIT_FIELD_POSITION, v1::HIT_FIELD_T}));
+    const auto alone = api_.cast(request_of(rays, {v1::HIT_FIELD_POSITION}));
     EXPECT_EQ(column_of(alone, v1::HIT_FIELD_POSITION), column_of(reply, v1::HIT_FIELD_POSITION));
     const auto t = column_values<double>(reply, v1::HIT_FIELD_T);
     const auto positions = column_values<Vec3d>(reply, v1::HIT_FIELD_POSITION);
@@ -112,7 +105,7 @@ TEST_F(DerivedColumnsTest, GeneratedRaysHavePositions) {
   pairs.set_float64(true);
   pairs.set_from(std::string(reinterpret_cast<const char*>(ends.data()), 3 * sizeof(double)));
   pairs.set_to(std::string(reinterpret_cast<const char*>(ends.data() + 3), 6 * sizeof(double)));
-  const auto positions = column_values<Vec3d>(cast(request), v1::HIT_FIELD_POSITION);
+  const auto positions = column_values<Vec3d>(api_.cast(request), v1::HIT_FIELD_POSITION);
   ASSERT_EQ(positions.size(), 2u);
   EXPECT_EQ(positions[0], (Vec3d{0.25, 0.25, 0}));
   EXPECT_TRUE(std::isnan(positions[1].y));
@@ -122,7 +115,7 @@ TEST_F(DerivedColumnsTest, EachDistinctNameIsSentOnce) {
   make_row({"door", "wall", "door", "", "wall"});
   auto rays = onto_row(6);  // the last one misses
   const std::vector<std::string> expected{"door", "wall", "door", "", "wall", ""};
-  const auto few = cast(request_of(rays, {v1::HIT_FIELD_NAME}));
+  const auto few = api_.cast(request_of(rays, {v1::HIT_FIELD_NAME}));
   EXPECT_EQ(names(few), expected);
   EXPECT_EQ(std::vector<std::string>(few.names().begin(), few.names().end()),
             (std::vector<std::string>{"", "door", "wall"}));
@@ -130,11 +123,11 @@ TEST_F(DerivedColumnsTest, EachDistinctNameIsSentOnce) {
   // Over several slices, and with a message that is used again.
   std::vector<Ray> many;
   for (std::size_t i = 0; i <= kRaysPerSlice; ++i) many.push_back(rays[i % rays.size()]);
-  const auto reply = cast(request_of(many, {v1::HIT_FIELD_NODE, v1::HIT_FIELD_NAME}));
+  const auto reply = api_.cast(request_of(many, {v1::HIT_FIELD_NODE, v1::HIT_FIELD_NAME}));
   const auto found = names(reply);
   for (std::size_t i = 0; i < many.size(); ++i) ASSERT_EQ(found[i], expected[i % rays.size()]) << i;
   EXPECT_EQ(reply.names_size(), 3);
-  EXPECT_EQ(cast(request_of(rays, {v1::HIT_FIELD_T})).names_size(), 0);
+  EXPECT_EQ(api_.cast(request_of(rays, {v1::HIT_FIELD_T})).names_size(), 0);
 }
 
 TEST_F(DerivedColumnsTest, ListedHitsHaveBoth) {
@@ -144,7 +137,7 @@ TEST_F(DerivedColumnsTest, ListedHitsHaveBoth) {
                         {.origin = {0.25, 0.25, 1}, .direction = {0, 0, -1}}};
   v1::CastRaysRequest request = request_of(rays, {v1::HIT_FIELD_NAME, v1::HIT_FIELD_POSITION});
   request.set_kind(v1::QUERY_KIND_ALL);
-  const auto reply = cast(request);
+  const auto reply = api_.cast(request);
   EXPECT_EQ(column_values<std::uint32_t>(reply, v1::HIT_FIELD_OFFSET),
             (std::vector<std::uint32_t>{0, 0, 1, 2}));
   EXPECT_EQ(names(reply), (std::vector<std::string>{"wall", "door"}));
@@ -164,7 +157,7 @@ TEST_F(DerivedColumnsTest, NamesThatDoNotFitAReplyAreRefusedAndFewerAreNot) {
   const grpc::Status refused = api_.cast(request_of(rays, {v1::HIT_FIELD_NAME}), &reply);
   EXPECT_EQ(refused.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_EQ(reason_of(refused), "NAMES_TOO_LONG");
-  EXPECT_EQ(names(cast(request_of(std::span(rays).first(1000), {v1::HIT_FIELD_NAME}))),
+  EXPECT_EQ(names(api_.cast(request_of(std::span(rays).first(1000), {v1::HIT_FIELD_NAME}))),
             std::vector<std::string>(of_nodes.begin(), of_nodes.begin() + 1000));
 }
 

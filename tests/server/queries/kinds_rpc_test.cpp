@@ -45,13 +45,6 @@ void append_list(const v1::CastRaysResponse& reply, KindAnswers& answers) {
 
 class KindsRpcTest : public LiveServer {
  protected:
-  v1::CastRaysResponse cast(const v1::CastRaysRequest& request) {
-    v1::CastRaysResponse reply;
-    const grpc::Status status = api_.cast(request, &reply);
-    EXPECT_TRUE(status.ok()) << status.error_message();
-    return reply;
-  }
-
   grpc::Status fail(const v1::CastRaysRequest& request) {
     v1::CastRaysResponse reply;
     return api_.cast(request, &reply);
@@ -64,7 +57,7 @@ class KindsRpcTest : public LiveServer {
     for (const auto field : {v1::HIT_FIELD_T, v1::HIT_FIELD_NODE, v1::HIT_FIELD_PRIMITIVE,
                              v1::HIT_FIELD_BARYCENTRIC, v1::HIT_FIELD_NORMAL, v1::HIT_FIELD_HIT})
       request.add_fields(field);
-    answers.closest = decode_hits(cast(request));
+    answers.closest = decode_hits(api_.cast(request));
     for (accel::geometry::Hit& hit :
          answers.closest) {  // Clears the fields that the list does not have
       hit.u = hit.v = 0;
@@ -72,13 +65,13 @@ class KindsRpcTest : public LiveServer {
     }
     request.clear_fields();
     request.set_kind(v1::QUERY_KIND_ANY);
-    for (const auto state : column_values<std::uint8_t>(cast(request), v1::HIT_FIELD_HIT)) {
+    for (const auto state : column_values<std::uint8_t>(api_.cast(request), v1::HIT_FIELD_HIT)) {
       answers.any.emplace_back();
       answers.any.back().state = static_cast<accel::geometry::HitState>(state);
     }
     request.set_kind(v1::QUERY_KIND_COUNT);
     request.add_fields(v1::HIT_FIELD_HIT);
-    const v1::CastRaysResponse counted = cast(request);
+    const v1::CastRaysResponse counted = api_.cast(request);
     const auto counts = column_values<std::uint32_t>(counted, v1::HIT_FIELD_COUNT);
     const auto states = column_values<std::uint8_t>(counted, v1::HIT_FIELD_HIT);
     for (std::size_t i = 0; i < counts.size(); ++i) {
@@ -191,7 +184,7 @@ TEST_F(KindsRpcTest, AClientThatAbandonsALongListDoesNotDelayOthers) {
     context.TryCancel();
     EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::CANCELLED);
   }
-  EXPECT_EQ(cast(cast_request(kScene, rays_downward(10))).stats().rays(), 10u);
+  EXPECT_EQ(api_.cast(cast_request(kScene, rays_downward(10))).stats().rays(), 10u);
 }
 
 TEST_F(KindsRpcTest, MarksTheRaysWhoseListWasCut) {
@@ -201,7 +194,7 @@ TEST_F(KindsRpcTest, MarksTheRaysWhoseListWasCut) {
   v1::CastRaysRequest request = cast_request(kScene, std::vector{hit, miss, bad});
   request.set_kind(v1::QUERY_KIND_ALL);
   request.set_max_hits(4);
-  v1::CastRaysResponse reply = cast(request);
+  v1::CastRaysResponse reply = api_.cast(request);
   EXPECT_FALSE(reply.more());
   EXPECT_EQ(column_of(reply, v1::HIT_FIELD_HIT), std::string("\3\0\2", 3));
   EXPECT_EQ(column_values<std::uint32_t>(reply, v1::HIT_FIELD_OFFSET),
@@ -213,7 +206,7 @@ TEST_F(KindsRpcTest, MarksTheRaysWhoseListWasCut) {
   EXPECT_EQ(reply.stats().hits(), 1u);
   EXPECT_EQ(reply.stats().invalid(), 1u);
   request.set_max_hits(5);
-  reply = cast(request);
+  reply = api_.cast(request);
   EXPECT_EQ(column_of(reply, v1::HIT_FIELD_HIT), std::string("\1\0\2", 3));
   EXPECT_EQ(reply.stats().rays_cut_off(), 0u);
 }
@@ -222,7 +215,7 @@ TEST_F(KindsRpcTest, OneReplyHoldsAtMostTheLimitOfHits) {
   api_.make_scene(kScene, planar_sheet(1));
   v1::CastRaysRequest request = cast_request(kScene, rays_downward(80));
   request.set_kind(v1::QUERY_KIND_ALL);
-  EXPECT_EQ(cast(request).stats().hits_found(), 80u);
+  EXPECT_EQ(api_.cast(request).stats().hits_found(), 80u);
   request = cast_request(kScene, rays_downward(81));
   request.set_kind(v1::QUERY_KIND_ALL);
   const grpc::Status status = fail(request);
@@ -232,7 +225,7 @@ TEST_F(KindsRpcTest, OneReplyHoldsAtMostTheLimitOfHits) {
             std::string::npos)
       << status.error_message();
   request.set_max_hits(1);
-  EXPECT_EQ(cast(request).stats().hits_found(), 81u);
+  EXPECT_EQ(api_.cast(request).stats().hits_found(), 81u);
 }
 
 TEST_F(KindsRpcTest, AnEmptyBatchHasAnEmptyList) {
@@ -240,7 +233,7 @@ TEST_F(KindsRpcTest, AnEmptyBatchHasAnEmptyList) {
   v1::CastRaysRequest request;
   request.set_scene(kScene);
   request.set_kind(v1::QUERY_KIND_ALL);
-  const v1::CastRaysResponse reply = cast(request);
+  const v1::CastRaysResponse reply = api_.cast(request);
   EXPECT_EQ(column_values<std::uint32_t>(reply, v1::HIT_FIELD_OFFSET),
             std::vector<std::uint32_t>{0});
   EXPECT_FALSE(reply.more());
@@ -259,7 +252,7 @@ TEST_F(KindsRpcTest, SeesOnlyNodesUnderTheRootWithoutExclusions) {
   v1::CastRaysRequest request = cast_request(kScene, rays_downward(1));
   request.set_kind(v1::QUERY_KIND_COUNT);
   const auto count = [&] {
-    return column_values<std::uint32_t>(cast(request), v1::HIT_FIELD_COUNT)[0];
+    return column_values<std::uint32_t>(api_.cast(request), v1::HIT_FIELD_COUNT)[0];
   };
   EXPECT_EQ(count(), 3u);
   request.set_root(2);

@@ -86,18 +86,12 @@ class PrefetchRpcTest : public LiveServer {
   }
 
   std::uint64_t cells_of_cast(const v1::CastRaysRequest& request) {
-    v1::CastRaysResponse reply;
-    const grpc::Status status = api_.cast(request, &reply);
-    EXPECT_TRUE(status.ok()) << status.error_message();
-    return reply.stats().cells_expanded();
+    return api_.cast(request).stats().cells_expanded();
   }
 
   /// The hits, not checked, and as bytes.
   v1::CastRaysResponse cast(std::span<const accel::geometry::Ray> rays, v1::BuildMode build) {
-    v1::CastRaysResponse reply;
-    const grpc::Status status = api_.cast(all_fields(rays, build), &reply);
-    EXPECT_TRUE(status.ok()) << status.error_message();
-    return reply;
+    return api_.cast(all_fields(rays, build));
   }
   std::string bytes_of(std::span<const accel::geometry::Ray> rays, v1::BuildMode build) {
     const v1::CastRaysResponse reply = cast(rays, build);

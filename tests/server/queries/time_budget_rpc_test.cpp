@@ -33,13 +33,6 @@ class TimeBudgetRpc : public LiveServer {
     return request;
   }
 
-  v1::CastRaysResponse cast(const v1::CastRaysRequest& request) {
-    v1::CastRaysResponse reply;
-    const grpc::Status status = api_.cast(request, &reply);
-    EXPECT_TRUE(status.ok()) << status.error_message();
-    return reply;
-  }
-
   /// The marks of a reply agree with each other.
   static void check_marks(const v1::CastRaysResponse& reply, v1::QueryKind kind) {
     std::uint64_t marked = 0;
@@ -74,12 +67,12 @@ TEST_F(TimeBudgetRpc, MarksAgreeForEveryKindAndAskingAgainEnds) {
     v1::CastRaysResponse reply;
     // The budget grows, so that this ends on any machine.
     for (std::uint32_t budget = 1; budget < kLongBudget; budget *= 2) {
-      reply = cast(request(kind, budget));
+      reply = api_.cast(request(kind, budget));
       check_marks(reply, kind);
       if (reply.stats().unanswered() == 0) break;
     }
     EXPECT_EQ(reply.stats().unanswered(), 0u);
-    const v1::CastRaysResponse unbounded = cast(request(kind, 0));
+    const v1::CastRaysResponse unbounded = api_.cast(request(kind, 0));
     ASSERT_EQ(unbounded.columns_size(), reply.columns_size());
     for (int i = 0; i < reply.columns_size(); ++i)
       EXPECT_EQ(unbounded.columns(i).data(), reply.columns(i).data());
@@ -92,7 +85,7 @@ TEST_F(TimeBudgetRpc, ListsHaveMarks) {
   all.set_max_hits(4);
   for (std::uint32_t budget = 1; budget < kLongBudget; budget *= 2) {
     all.set_time_budget_ms(budget);
-    const v1::CastRaysResponse reply = cast(all);
+    const v1::CastRaysResponse reply = api_.cast(all);
     const auto hit = column_values<std::uint8_t>(reply, v1::HIT_FIELD_HIT);
     const auto offset = column_values<std::uint32_t>(reply, v1::HIT_FIELD_OFFSET);
     ASSERT_EQ(hit.size(), kBudgetRays);
@@ -112,7 +105,7 @@ TEST_F(TimeBudgetRpc, BitsOfUnansweredRaysAreClear) {
   api_.make_scene(kScene, icosphere(7));
   v1::CastRaysRequest any = request(v1::QUERY_KIND_ANY, 1);
   any.add_fields(v1::HIT_FIELD_HIT_BITS);
-  const v1::CastRaysResponse reply = cast(any);
+  const v1::CastRaysResponse reply = api_.cast(any);
   const auto bits = column_values<std::uint8_t>(reply, v1::HIT_FIELD_HIT_BITS);
   for (std::size_t i = 0; i < kBudgetRays; ++i) {
     if (lacks_answer(reply, i)) {
@@ -125,7 +118,7 @@ TEST_F(TimeBudgetRpc, AFullBuildEndsWithTheBudget) {
   api_.make_scene(kScene, icosphere(7));
   v1::CastRaysRequest full = request(v1::QUERY_KIND_CLOSEST, 1);
   full.set_build(v1::BUILD_MODE_FULL);
-  check_marks(cast(full), v1::QUERY_KIND_CLOSEST);
+  check_marks(api_.cast(full), v1::QUERY_KIND_CLOSEST);
 }
 
 }  // namespace

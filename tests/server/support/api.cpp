@@ -170,6 +170,13 @@ grpc::Status Api::cast(const v1::CastRaysRequest& request, v1::CastRaysResponse*
   return rays->CastRays(&context, request, reply);
 }
 
+v1::CastRaysResponse Api::cast(const v1::CastRaysRequest& request) {
+  v1::CastRaysResponse reply;
+  const grpc::Status status = cast(request, &reply);
+  EXPECT_TRUE(status.ok()) << status.error_message();
+  return reply;
+}
+
 void Api::make_scene(const std::string& scene, const TestMesh& mesh) {
   const grpc::Status created = create(scene);
   EXPECT_TRUE(created.ok()) << created.error_message();

@@ -63,6 +63,8 @@ class Api {
   v1::Scene get(const std::string& scene);
   v1::GetSceneStatsResponse stats(const std::string& scene);
   grpc::Status cast(const v1::CastRaysRequest& request, v1::CastRaysResponse* reply);
+  /// The reply; fails the test on an error.
+  v1::CastRaysResponse cast(const v1::CastRaysRequest& request);
 
   /// Creates a scene of one node with this mesh; fails the test on an error.
   void make_scene(const std::string& scene, const TestMesh& mesh);
