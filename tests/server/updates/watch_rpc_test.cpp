@@ -149,7 +149,8 @@ TEST_F(WatchRpcTest, LargeRevisionsAreSplit) {
   const std::string mesh = api_.add_mesh(planar_sheet(400));
   v1::ApplyUpdatesResponse reply;
   ASSERT_TRUE(api_.apply(kScene, {put_node(-1, mesh)}, &reply).ok());
-  Watcher watcher(api_, kScene);
+  // From here: the stream of a later beginning would not have these revisions.
+  Watcher watcher(api_, kScene, reply.revision().revision());
   std::vector<accel::geometry::Vec3f> positions(150'000);
   for (std::size_t i = 0; i < positions.size(); ++i) positions[i] = {static_cast<float>(i), 1, 2};
   v1::Update moves;
