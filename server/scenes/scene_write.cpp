@@ -146,8 +146,11 @@ WriteLine::Write StoredScene::line_write(JournalEntry entry,
   if (follower_) {
     SceneWrite again = write;
     again.answer = nullptr;
-    line_write.again = [this, options, again = std::move(again)](const JournalEntry& lost,
-                                                                 const WriteLine::Answer& answer) {
+    // A caller that has gone ends its write no more: others may have joined it, or wait behind it.
+    scenegraph::ApplyOptions to_the_end = options;
+    to_the_end.cancelled = nullptr;
+    line_write.again = [this, options = std::move(to_the_end), again = std::move(again)](
+                           const JournalEntry& lost, const WriteLine::Answer& answer) {
       return write_again(lost, options, again, answer);
     };
   }

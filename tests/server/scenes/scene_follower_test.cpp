@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
@@ -40,7 +41,8 @@ class SceneFollowerTest : public tests::JournaledScene {
   };
 
   std::shared_ptr<Outcome> write(std::vector<Update> updates, SceneWrite write = {},
-                                 std::optional<std::uint64_t> expected = {}) {
+                                 std::optional<std::uint64_t> expected = {},
+                                 const std::atomic<bool>* cancelled = nullptr) {
     auto outcome = std::make_shared<Outcome>();
     write.answer = [outcome](const Result<Durability>& kept) { outcome->answer = kept; };
     write.rejected = [outcome](const Error& error) { outcome->rejected = error; };
@@ -50,9 +52,10 @@ class SceneFollowerTest : public tests::JournaledScene {
     };
     const auto reported = [outcome](const scenegraph::Applied& next) { outcome->applied = next; };
     on_queue([&] {
-      const auto applied =
-          scene_->apply(std::move(updates), compute_,
-                        {.expected_revision = expected, .before_publish = reported}, write);
+      const auto applied = scene_->apply(
+          std::move(updates), compute_,
+          {.expected_revision = expected, .before_publish = reported, .cancelled = cancelled},
+          write);
       EXPECT_TRUE(applied);
     });
     return outcome;
@@ -136,6 +139,26 @@ TEST_F(SceneFollowerTest, AWriteFailsAtLast) {
   EXPECT_EQ(contended->error(), "WRITE_CONTENDED");
   EXPECT_EQ(revision(), static_cast<std::uint64_t>(kMaxTries));
   EXPECT_EQ(replica_->tallies.writes_failed, 1u);
+}
+
+TEST_F(SceneFollowerTest, AWriteIsAppliedAgainThoughItsCallerHasGone) {
+  std::atomic<bool> cancelled{false};
+  const auto mine = write({tests::put_node(-1, 0, nullptr)}, {.request_id = "a", .content = 1}, {},
+                          &cancelled),
+             behind = put();
+  std::optional<Result<Durability>> repeated;
+  on_queue([&] {
+    const auto joined = scene_->find_earlier(
+        "a", 1, [&](const auto&, const Result<Durability>& kept) { repeated = kept; });
+    EXPECT_TRUE(joined && *joined);
+  });
+  cancelled = true;
+  others_put();
+  while (journal_->queued() > 0) commit();
+  EXPECT_TRUE(mine->committed());
+  EXPECT_TRUE(repeated && *repeated);
+  EXPECT_TRUE(behind->committed());
+  EXPECT_EQ(revision(), 3u);
 }
 
 TEST_F(SceneFollowerTest, ARequestThatAnotherServerHasGotFirstGetsItsAnswer) {
