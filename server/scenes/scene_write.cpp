@@ -1,5 +1,6 @@
 // Writes of a scene: applied at its head, kept in its journal, then published.
 #include <algorithm>
+#include <cassert>
 #include <future>
 #include <new>
 #include <set>
@@ -263,10 +264,14 @@ Result<bool> StoredScene::find_earlier(const std::string& request_id, std::uint6
   }
   const JournalEntry* waiting = line_ ? line_->find(request_id) : nullptr;
   if (waiting == nullptr) return false;
-  const scenegraph::Applied applied{waiting->expected + 1, waiting->nodes, false};
-  if (waiting->content != content) return request_id_reused(request_id, applied.revision);
-  line_->join(*waiting,
-              [answer, applied](const Result<Durability>& kept) { answer(applied, kept); });
+  if (waiting->content != content) return request_id_reused(request_id, waiting->expected + 1);
+  line_->join(*waiting, [this, request_id, content, answer](const Result<Durability>& kept) {
+    if (!kept) return answer({}, kept);
+    // Not what it has made so far: it may have been made again since.
+    const auto made = answers_.find(request_id, content);
+    assert(made && *made);
+    answer(**made, kept);
+  });
   return true;
 }
 

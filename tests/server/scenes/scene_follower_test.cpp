@@ -63,6 +63,20 @@ class SceneFollowerTest : public tests::JournaledScene {
   std::shared_ptr<Outcome> put(const SceneWrite& write = {}) {
     return this->write({tests::put_node(-1, 0, nullptr)}, write);
   }
+  /// The request of a write that waits comes again.
+  std::shared_ptr<Outcome> repeat(const std::string& id, std::uint64_t content) {
+    auto outcome = std::make_shared<Outcome>();
+    on_queue([&] {
+      const auto known = scene_->find_earlier(
+          id, content,
+          [outcome](const scenegraph::Applied& earlier, const Result<Durability>& kept) {
+            outcome->applied = earlier;
+            outcome->answer = kept;
+          });
+      EXPECT_TRUE(known && *known);
+    });
+    return outcome;
+  }
   /// Another server puts nodes.
   void others_put(std::size_t nodes = 1, tests::FakeJournal::Entry entry = {}) {
     std::vector<Update> updates;
@@ -146,19 +160,35 @@ TEST_F(SceneFollowerTest, AWriteIsAppliedAgainThoughItsCallerHasGone) {
   const auto mine = write({tests::put_node(-1, 0, nullptr)}, {.request_id = "a", .content = 1}, {},
                           &cancelled),
              behind = put();
-  std::optional<Result<Durability>> repeated;
-  on_queue([&] {
-    const auto joined = scene_->find_earlier(
-        "a", 1, [&](const auto&, const Result<Durability>& kept) { repeated = kept; });
-    EXPECT_TRUE(joined && *joined);
-  });
+  const auto repeated = repeat("a", 1);
   cancelled = true;
   others_put();
   while (journal_->queued() > 0) commit();
   EXPECT_TRUE(mine->committed());
-  EXPECT_TRUE(repeated && *repeated);
+  EXPECT_TRUE(repeated->committed());
   EXPECT_TRUE(behind->committed());
   EXPECT_EQ(revision(), 3u);
+}
+
+TEST_F(SceneFollowerTest, ARequestThatIsRepeatedBeforeItIsAppliedAgainGetsTheLastAnswer) {
+  const auto first = put({.request_id = "a", .content = 1}), repeated = repeat("a", 1);
+  others_put(3);
+  while (journal_->queued() > 0) commit();
+  ASSERT_TRUE(repeated->committed());
+  EXPECT_EQ(repeated->applied->revision, 2u);
+  EXPECT_EQ(repeated->applied->nodes.front(), 4u);
+  EXPECT_EQ(first->applied->revision, 2u);
+}
+
+TEST_F(SceneFollowerTest, ARepeatedRequestThatAnotherServerHasGotFirstGetsItsAnswer) {
+  const auto first = put({.request_id = "a", .content = 1}), repeated = repeat("a", 1);
+  others_put(3);
+  others_put(1, request_entry("a", 1));
+  commit();
+  ASSERT_TRUE(repeated->committed());
+  EXPECT_EQ(repeated->applied->revision, 2u);
+  EXPECT_EQ(repeated->applied->nodes.front(), 4u);
+  EXPECT_TRUE(first->repeated);
 }
 
 TEST_F(SceneFollowerTest, ARequestThatAnotherServerHasGotFirstGetsItsAnswer) {
