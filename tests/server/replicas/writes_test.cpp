@@ -1,9 +1,16 @@
 // Writes to one scene through several servers.
+#include <grpcpp/client_context.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <barrier>
+#include <chrono>
+#include <compare>
 #include <cstdint>
+#include <deque>
+#include <map>
 #include <mutex>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -112,6 +119,59 @@ TEST_F(ReplicaWrites, ARequestThatComesToAllAtOnceIsAppliedOnce) {
     EXPECT_EQ(std::ranges::count_if(replies, [](const auto& reply) { return !reply.replayed(); }),
               1);
   }
+}
+
+TEST_F(ReplicaWrites, ARequestThatIsSentTwiceAmongOtherWritersHasOneAnswer) {
+  constexpr int kEach = 40;
+  struct Made {
+    std::uint64_t revision = 0, node = 0;
+    auto operator<=>(const Made&) const = default;
+  };
+  std::mutex mutex;
+  std::map<std::string, std::set<Made>> made;
+  std::vector<std::thread> senders;
+  std::deque<std::barrier<>> together;
+  for (ReplicaServer* server : {a_.get(), b_.get(), c_.get()}) {
+    const std::string name = std::to_string(together.size());
+    std::barrier<>& barrier = together.emplace_back(3);
+    for (int sender = 0; sender < 2; ++sender) {
+      senders.emplace_back([&, server, name] {
+        Api api(server->connect_again());
+        for (int i = 0; i < kEach; ++i) {
+          const std::string id = name + "-" + std::to_string(i);
+          barrier.arrive_and_wait();
+          const v1::ApplyUpdatesResponse reply = apply_surely(api, id, {put_node(-1)});
+          const std::lock_guard lock(mutex);
+          made[id].insert(
+              {reply.revision().revision(), reply.nodes_size() > 0 ? reply.nodes(0) : 0});
+        }
+      });
+    }
+    // One that does not wait for its answer.
+    senders.emplace_back([&, server, name] {
+      Api api(server->connect_again());
+      for (int i = 0; i < kEach; ++i) {
+        const auto request = request_of(name + "-" + std::to_string(i), {put_node(-1)});
+        barrier.arrive_and_wait();
+        grpc::ClientContext context;
+        context.set_deadline(std::chrono::system_clock::now() + std::chrono::milliseconds(i % 8));
+        v1::ApplyUpdatesResponse reply;
+        static_cast<void>(api.scenes->ApplyUpdates(&context, request, &reply));
+      }
+    });
+  }
+  for (std::thread& sender : senders) sender.join();
+  std::set<Made> all;
+  for (const auto& [id, answers] : made) {
+    EXPECT_EQ(answers.size(), 1u) << id;
+    all.insert(answers.begin(), answers.end());
+  }
+  std::uint64_t next = 0;
+  for (const Made& one : all) {
+    EXPECT_EQ(one.revision, ++next);
+    EXPECT_EQ(one.node, next);
+  }
+  EXPECT_EQ(next, 3u * kEach);
 }
 
 TEST_F(ReplicaWrites, AnExpectedRevisionIsThatOfAllServers) {
