@@ -4,8 +4,10 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <iterator>
 #include <optional>
+#include <ranges>
 #include <utility>
 #include <vector>
 
@@ -205,16 +207,31 @@ void WriteLine::join(const JournalEntry& entry, Answer answer) {
   (*found)->join(std::move(answer));
 }
 
+// Both wait for every write: of those that are made again, a later one may be answered first.
+
 void WriteLine::when_answered(std::function<void()> then) {
-  const auto last = std::find_if(items_.rbegin(), items_.rend(),
-                                 [](const auto& item) { return !item->answered(); });
-  if (last == items_.rend()) return then();
-  (*last)->join([then = std::move(then)](const Result<Durability>&) { then(); });
+  const auto waits = [](const auto& item) { return !item->answered(); };
+  const auto left = std::make_shared<std::ptrdiff_t>(std::ranges::count_if(items_, waits));
+  if (*left == 0) return then();
+  const Answer answer = [left, then = std::move(then)](const Result<Durability>&) {
+    if (--*left == 0) then();
+  };
+  for (const auto& item : items_ | std::views::filter(waits)) item->join(answer);
 }
 
 void WriteLine::when_committed(Committed then) {
   if (items_.empty()) return then({});
-  items_.back()->when_committed(std::move(then));
+  struct Waiting {
+    std::size_t left;
+    Committed then;
+    Status status;
+  };
+  const auto waiting = std::make_shared<Waiting>(Waiting{items_.size(), std::move(then), {}});
+  const Committed ended = [waiting](const Status& status) {
+    if (waiting->status) waiting->status = status;
+    if (--waiting->left == 0) waiting->then(waiting->status);
+  };
+  for (const auto& item : items_) item->when_committed(ended);
 }
 
 }  // namespace sightline::server::scenes

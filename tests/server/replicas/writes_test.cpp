@@ -13,10 +13,12 @@
 #include <set>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "tests/server/replicas/replicas.h"
 #include "tests/server/updates/update_stream.h"
+#include "tests/support/random.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::tests {
@@ -273,6 +275,56 @@ TEST_F(ReplicaWrites, StreamsOfAllServersShareAScene) {
   ASSERT_TRUE(b_->api().apply(kScene, {put_node(-1)}, &last).ok());
   EXPECT_EQ(last.revision().revision(), 3 * kBatches + 1);
   EXPECT_EQ(last.nodes(0), 3 * kBatches + 1);
+}
+
+TEST_F(ReplicaWrites, ProducersThatMoveBetweenServersHaveEachBatchOnce) {
+  constexpr std::uint64_t kBatches = 50;
+  constexpr int kProducers = 3;
+  ReplicaServer* const servers[] = {a_.get(), b_.get(), c_.get()};
+  std::mutex mutex;
+  std::map<std::pair<std::string, std::uint64_t>, std::set<std::uint64_t>> nodes;
+  const auto note = [&](const std::string& producer, const auto& put) {
+    const std::lock_guard lock(mutex);
+    for (const v1::PutNodes& batch : put)
+      nodes[{producer, batch.sequence()}].insert(batch.nodes().begin(), batch.nodes().end());
+  };
+  // Each producer twice, at different servers; they leave without reading all answers.
+  const auto produce = [&](int number, int twin) {
+    Random random(static_cast<std::uint64_t>(2 * number + twin));
+    std::deque<Api> apis;
+    for (ReplicaServer* server : servers) apis.emplace_back(server->connect_again());
+    const std::string name = "producer-" + std::to_string(number);
+    std::uint64_t acknowledged = 0;
+    for (int visit = number + twin; acknowledged < kBatches; ++visit) {
+      UpdateStream stream(apis[static_cast<std::size_t>(visit) % apis.size()]);
+      v1::StreamUpdatesResponse answer;
+      if (!stream.send_open(kScene, name) || !stream.read(answer)) continue;
+      note(name, answer.opened().put());
+      std::uint64_t sent = acknowledged = answer.opened().last_committed();
+      for (std::uint64_t left = random.below(12); acknowledged < kBatches && left > 0; --left) {
+        while (sent < kBatches && sent < acknowledged + 8) stream.send(++sent, {put_node(-1)});
+        if (!stream.read(answer)) break;
+        ASSERT_TRUE(answer.has_ack()) << answer.reject().message();
+        note(name, answer.ack().put());
+        acknowledged = answer.ack().up_to_sequence();
+      }
+    }
+  };
+  std::vector<std::thread> producers;
+  for (int number = 0; number < kProducers; ++number) {
+    for (int twin = 0; twin < 2; ++twin) producers.emplace_back(produce, number, twin);
+  }
+  for (std::thread& producer : producers) producer.join();
+  v1::ApplyUpdatesResponse last;
+  ASSERT_TRUE(b_->api().apply(kScene, {put_node(-1)}, &last).ok());
+  EXPECT_EQ(last.revision().revision(), kProducers * kBatches + 1);
+  EXPECT_EQ(last.nodes(0), kProducers * kBatches + 1);
+  std::set<std::uint64_t> all;
+  for (const auto& [batch, put] : nodes) {
+    EXPECT_EQ(put.size(), 1u) << batch.first << " " << batch.second;
+    all.insert(put.begin(), put.end());
+  }
+  EXPECT_EQ(all.size(), nodes.size()) << "a node is of two batches";
 }
 
 TEST_F(ReplicaWrites, AnInvalidBatchOfAProducerIsRejectedOnly) {

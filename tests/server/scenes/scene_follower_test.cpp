@@ -204,6 +204,25 @@ TEST_F(SceneFollowerTest, ARequestThatAnotherServerHasGotFirstGetsItsAnswer) {
   EXPECT_EQ(revision(), 2u);
 }
 
+TEST_F(SceneFollowerTest, WaitsForAllWritesThoughTheLastIsAnsweredFirst) {
+  const auto first = put(), known = put({.request_id = "a", .content = 1});
+  bool answered = false, committed = false;
+  on_queue([&] {
+    scene_->when_answered([&] { answered = true; });
+    scene_->when_committed([&](const Status& status) { committed = status.ok(); });
+  });
+  others_put(1, request_entry("a", 1));
+  commit();
+  EXPECT_TRUE(known->committed());
+  EXPECT_FALSE(first->answer);
+  EXPECT_FALSE(answered);
+  EXPECT_FALSE(committed);
+  while (journal_->queued() > 0) commit();
+  EXPECT_TRUE(first->committed());
+  EXPECT_TRUE(answered);
+  EXPECT_TRUE(committed);
+}
+
 TEST_F(SceneFollowerTest, ABatchThatAnotherServerHasGotFirstIsARepeat) {
   Producer* producer = nullptr;
   on_queue([&] { producer = *scene_->producers().open("robot"); });
