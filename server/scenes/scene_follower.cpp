@@ -40,7 +40,6 @@ void SceneFollower::follow_soon(exec::Compute& compute) {
 }
 
 void SceneFollower::ask(exec::Compute& compute, Then then) {
-  scene_.compute_.store(&compute, std::memory_order_release);
   scene_.write_queue().post(compute, [this, self = scene_.shared_from_this(), &compute,
                                       then = std::move(then)] { when_caught_up(compute, then); });
 }
@@ -87,6 +86,8 @@ void SceneFollower::log(const Status& read) {
 }
 
 void SceneFollower::when_caught_up(exec::Compute& compute, Then then) {
+  scene_.compute_.store(&compute,
+                        std::memory_order_release);  // perhaps before the first write here
   wait(compute, std::move(then), kRounds);
 }
 

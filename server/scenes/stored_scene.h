@@ -225,7 +225,7 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   std::optional<SceneFollower> follower_;         // where other servers write to the journal
   std::optional<WriteLine> line_;                 // with a journal; used on the write queue
   std::atomic<bool> settling_{false};             // a task is posted to settle the line
-  std::atomic<exec::Compute*> compute_{nullptr};  // of the last write
+  std::atomic<exec::Compute*> compute_{nullptr};  // null before the first write or reading
   std::uint64_t name_bytes_ = 0;                  // of the newest revision; used on the write queue
   exec::MemoryAccount::Charge nodes_;             // of the newest revision; used on the write queue
   mutable std::mutex patched_mutex_;

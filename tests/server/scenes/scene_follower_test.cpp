@@ -274,6 +274,17 @@ TEST_F(SceneFollowerTest, ARelaxedWriteWaitsForItsCommit) {
   EXPECT_EQ(**relaxed->answer, Durability::kCommitted);
 }
 
+TEST_F(SceneFollowerTest, CatchesUpBeforeItsFirstWrite) {
+  others_put();
+  std::optional<bool> caught_up;
+  on_queue([&] {
+    scene_->follower()->when_caught_up(compute_,
+                                       [&](const Status& read) { caught_up = read.ok(); });
+  });
+  EXPECT_EQ(caught_up, true);
+  EXPECT_EQ(revision(), 1u);
+}
+
 TEST_F(SceneFollowerTest, CatchesUpAfterTheWritesThatWait) {
   const auto mine = put();
   std::optional<bool> caught_up;
