@@ -289,13 +289,13 @@ TEST_F(ReplicaWrites, ProducersThatMoveBetweenServersHaveEachBatchOnce) {
       nodes[{producer, batch.sequence()}].insert(batch.nodes().begin(), batch.nodes().end());
   };
   // Each producer twice, at different servers; they leave without reading all answers.
-  const auto produce = [&](int number, int twin) {
-    Random random(static_cast<std::uint64_t>(2 * number + twin));
+  const auto produce = [&](int number, int copy) {
+    Random random(static_cast<std::uint64_t>(2 * number + copy));
     std::deque<Api> apis;
     for (ReplicaServer* server : servers) apis.emplace_back(server->connect_again());
     const std::string name = "producer-" + std::to_string(number);
     std::uint64_t acknowledged = 0;
-    for (int visit = number + twin; acknowledged < kBatches; ++visit) {
+    for (int visit = number + copy; acknowledged < kBatches; ++visit) {
       UpdateStream stream(apis[static_cast<std::size_t>(visit) % apis.size()]);
       v1::StreamUpdatesResponse answer;
       if (!stream.send_open(kScene, name) || !stream.read(answer)) continue;
@@ -312,7 +312,7 @@ TEST_F(ReplicaWrites, ProducersThatMoveBetweenServersHaveEachBatchOnce) {
   };
   std::vector<std::thread> producers;
   for (int number = 0; number < kProducers; ++number) {
-    for (int twin = 0; twin < 2; ++twin) producers.emplace_back(produce, number, twin);
+    for (int copy = 0; copy < 2; ++copy) producers.emplace_back(produce, number, copy);
   }
   for (std::thread& producer : producers) producer.join();
   v1::ApplyUpdatesResponse last;
