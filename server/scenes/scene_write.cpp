@@ -147,10 +147,10 @@ WriteLine::Write StoredScene::line_write(JournalEntry entry,
   if (follower_) {
     SceneWrite again = write;
     again.answer = nullptr;
-    // A caller that has gone ends its write no more: others may have joined it, or wait behind it.
-    scenegraph::ApplyOptions to_the_end = options;
-    to_the_end.cancelled = nullptr;
-    line_write.again = [this, options = std::move(to_the_end), again = std::move(again)](
+    // It goes on when its caller has gone: others may have joined it, or wait behind it.
+    scenegraph::ApplyOptions uncancelled = options;
+    uncancelled.cancelled = nullptr;
+    line_write.again = [this, options = std::move(uncancelled), again = std::move(again)](
                            const JournalEntry& lost, const WriteLine::Answer& answer) {
       return write_again(lost, options, again, answer);
     };
