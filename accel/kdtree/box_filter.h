@@ -8,7 +8,7 @@
 #include <span>
 
 #include "accel/kdtree/reference.h"
-#include "accel/kdtree/traverse.h"
+#include "accel/kdtree/tree_ray.h"
 
 namespace sightline::accel::kdtree {
 

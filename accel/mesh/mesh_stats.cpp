@@ -8,6 +8,7 @@
 #include <tbb/parallel_reduce.h>
 
 #include "accel/mesh/array_bounds.h"
+#include "accel/mesh/face_boxes.h"
 
 namespace sightline::accel::mesh {
 namespace {

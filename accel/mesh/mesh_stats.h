@@ -7,15 +7,15 @@
 
 #include "accel/geometry/aabb.h"
 #include "accel/geometry/triangle_mesh.h"
-#include "accel/mesh/face_boxes.h"
 
 namespace sightline::accel::mesh {
 
 struct MeshStats {
   std::uint64_t triangles = 0;         ///< Faces with a triangle.
   std::uint64_t finite_triangles = 0;  ///< Triangles with finite vertices: those that can be hit.
-  /// The first face with an index out of range. Such faces count as triangles, but not as finite.
-  std::size_t first_bad_face = FaceSum::kNone;
+  /// The first face with an index out of range, or beyond all faces. Such faces count as triangles,
+  /// but not as finite.
+  std::size_t first_bad_face = ~std::size_t{0};
   /// Contains all finite triangles. Vertices that no triangle uses may make it a little larger. Has
   /// a positive extent on each axis; empty if there are no finite triangles.
   geometry::Aabb bounds;

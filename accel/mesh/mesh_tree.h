@@ -15,27 +15,12 @@
 #include "accel/kdtree/tree_metrics.h"
 #include "accel/lazy/walk_lazily.h"
 #include "accel/mesh/mesh_stats.h"
+#include "accel/mesh/tree_builder.h"
 #include "accel/mesh/unique_hits.h"
 #include "accel/mesh/whole_tree.h"
-#include "accel/split/scan_split.h"
 #include "accel/wide/pencil.h"
 
 namespace sightline::accel::mesh {
-
-/// The builder of a mesh's tree.
-struct TreeBuilder {
-  split::SplitRule rule = split::default_rule();
-  /// If set, it builds the whole tree at once, and `rule` is not used.
-  std::shared_ptr<const WholeTreeMaker> whole = nullptr;
-  /// What the trees count their bytes in, and ask before they grow; null: they may always grow.
-  std::shared_ptr<kdtree::TreeMemory> memory = nullptr;
-};
-
-/// The references that a mesh's tree starts from.
-enum class References : std::uint8_t {
-  kSoup,  ///< Single triangles, as in the paper.
-  kRuns,  ///< Runs of consecutive triangles, if those are compact; opened where rays need them.
-};
 
 using lazy::OnDeferred;
 

@@ -14,6 +14,7 @@
 #include "accel/published/kd/median_builders.h"
 #include "accel/published/kd/min_max_builder.h"
 #include "accel/result.h"
+#include "accel/split/scan_split.h"
 
 namespace sightline::accel::published {
 

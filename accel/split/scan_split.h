@@ -83,7 +83,4 @@ ScanSplit scan_best();
 /// The rule behind the SplitSearch interface.
 SplitRule make_rule(const ScanSplit& rule);
 
-/// The rule of scan_fast(), made once.
-const SplitRule& default_rule();
-
 }  // namespace sightline::accel::split

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <span>
 
@@ -11,6 +10,7 @@
 #include "accel/kdtree/slot.h"
 #include "accel/split/child_scan.h"
 #include "accel/split/exhaustive_split.h"
+#include "accel/split/split_rule.h"
 
 namespace sightline::accel::grow {
 struct GrowContext;
@@ -80,8 +80,5 @@ class SplitSearch {
     return std::nullopt;
   }
 };
-
-/// Shared by trees and by tasks that may outlive them. Never null.
-using SplitRule = std::shared_ptr<const SplitSearch>;
 
 }  // namespace sightline::accel::split

@@ -9,23 +9,11 @@
 
 #include "accel/geometry/aabb.h"
 #include "accel/lazy/shared_slices.h"
+#include "scenegraph/instances/instance.h"
 #include "scenegraph/instances/mobility_view.h"
 #include "scenegraph/instances/sibling_clusters.h"
 
 namespace sightline::scenegraph::instances {
-
-/// A node that carries a mesh with a finite triangle, with its world transform.
-struct Instance {
-  model::Affine local_from_world;
-  bool mirrored = false;      ///< The transform reverses windings.
-  accel::geometry::Aabb box;  ///< World, less Instances::center(), rounded outward.
-  model::NodeId node = 0;
-  model::NodeId parent = 0;
-  std::uint32_t mask = accel::geometry::kAllMasks;
-  std::uint32_t index = 0;  ///< Among Instances.
-  const model::Mesh* mesh = nullptr;
-  std::atomic<bool>* entered = nullptr;
-};
 
 struct Opened;
 

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 
+#include "accel/lazy/lazy_tree.h"
+#include "scenegraph/instances/instance_group.h"
+
 namespace sightline::scenegraph::instances {
 namespace {
 
@@ -63,6 +66,8 @@ bool Instances::is_open(const Reference& ref) const {
   const Opened* now = group(number).opened.load(std::memory_order_acquire);
   return now != nullptr && now->listed.load(std::memory_order_acquire);
 }
+
+std::uint64_t Instances::tree_bytes() const { return tree().tree().bytes(); }
 
 bool Instances::is_searched() const {
   const Roots& roots = opened_roots();

@@ -8,11 +8,19 @@
 #include <span>
 #include <vector>
 
-#include "accel/lazy/lazy_tree.h"
-#include "scenegraph/instances/instance_group.h"
+#include "accel/kdtree/reference.h"
+#include "scenegraph/instances/instance.h"
 #include "scenegraph/instances/lazy_array.h"
+#include "scenegraph/instances/mobility_view.h"
+
+namespace sightline::accel::lazy {
+class LazyTree;
+}  // namespace sightline::accel::lazy
 
 namespace sightline::scenegraph::instances {
+
+struct Group;
+struct Opened;
 
 /// The instances of one tree. Opened groups stay open and the kd-tree grows; nothing else changes.
 /// Threads: all members, any; no thread waits for a stopped one.
@@ -40,6 +48,8 @@ class Instances {
   const accel::geometry::Vec3d& center() const { return view_.center(); }
   /// Its leaves hold indices of instances. Growing it does not change the snapshot.
   accel::lazy::LazyTree& tree() const { return *opened_roots().tree; }
+  /// Bytes of the tree, without the instances.
+  std::uint64_t tree_bytes() const;
 
   /// References that stand for all instances: the coarsest, openable or not.
   const std::vector<accel::kdtree::Reference>& coarsest() const { return opened_roots().coarsest; }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "accel/kdtree/epoch.h"
+#include "accel/lazy/lazy_tree.h"
 
 namespace sightline::scenegraph::instances {
 namespace {

@@ -6,6 +6,8 @@
 
 #include "accel/kdtree/epoch.h"
 #include "accel/lazy/eviction.h"
+#include "accel/lazy/lazy_tree.h"
+#include "accel/mesh/mesh_tree.h"
 
 namespace sightline::scenegraph::model {
 namespace {
@@ -35,11 +37,11 @@ std::vector<HeldTree> hold(std::span<const std::shared_ptr<const Mesh>> meshes) 
   for (const auto& mesh : meshes) {
     if (!mesh->is_resident()) continue;
     const EpochPin pin;
-    const Mesh::OwnedTree now = mesh->owned_tree();
+    Mesh::OwnedTree& now = mesh->owned_tree();
     accel::lazy::LazyTree* const tree = now.tree.lazy_tree();
     if (tree == nullptr) continue;
-    now.owner.join();
-    trees.push_back({decltype(HeldTree::owner)(&now.owner), tree});
+    now.join();
+    trees.push_back({decltype(HeldTree::owner)(&now), tree});
   }
   return trees;
 }

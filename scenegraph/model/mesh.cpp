@@ -6,6 +6,9 @@
 
 #include <tbb/task_arena.h>
 
+#include "accel/kdtree/epoch.h"
+#include "accel/mesh/mesh_tree.h"
+
 namespace sightline::scenegraph::model {
 namespace {
 
@@ -31,6 +34,14 @@ std::atomic<std::uint64_t>& dropped_trees() {
 
 }  // namespace
 
+struct Mesh::Tree final : OwnedTree, accel::kdtree::Retirable {
+  explicit Tree(const Mesh& mesh)
+      : OwnedTree(grown),
+        grown(mesh.view(), mesh.survey_, mesh.builder_, mesh.references_, mesh.arrays_) {}
+
+  accel::mesh::MeshTree grown;
+};
+
 Result<std::shared_ptr<const Mesh>> Mesh::make(std::vector<accel::geometry::Vec3f> vertices,
                                                std::vector<accel::geometry::Face> faces,
                                                const accel::mesh::TreeBuilder& builder,
@@ -51,9 +62,6 @@ Result<std::shared_ptr<const Mesh>> Mesh::make(std::vector<accel::geometry::Vec3
   return std::shared_ptr<const Mesh>(
       new Mesh(std::move(arrays), survey, builder, references, nullptr));
 }
-
-Mesh::Tree::Tree(const Mesh& mesh)
-    : tree(mesh.view(), mesh.survey_, mesh.builder_, mesh.references_, mesh.arrays_) {}
 
 Mesh::Mesh(std::shared_ptr<const Arrays> arrays, const accel::mesh::MeshStats& survey,
            const accel::mesh::TreeBuilder& builder, accel::mesh::References references,
@@ -77,7 +85,7 @@ Mesh::Mesh(const Mesh& surveyed, std::unique_ptr<const MeshSource> source)
       tree_(nullptr) {}
 
 Mesh::~Mesh() {
-  if (Tree* const tree = tree_.load(std::memory_order_acquire)) tree->leave();
+  if (OwnedTree* const tree = tree_.load(std::memory_order_acquire)) tree->leave();
 }
 
 std::shared_ptr<const Mesh> Mesh::unread(std::unique_ptr<const MeshSource> source) const {
@@ -109,7 +117,7 @@ void Mesh::with_arrays(const std::function<void(const accel::geometry::MeshView&
   use((*read)->view());
 }
 
-Mesh::Tree& Mesh::read_tree() const {
+Mesh::OwnedTree& Mesh::read_tree() const {
   if (const Status resident = make_resident(Reclaim::kAllowed); !resident)
     throw MeshUnreadable(resident.error());
   return *tree_.load(std::memory_order_acquire);
@@ -147,7 +155,8 @@ std::uint64_t Mesh::drop_tree() const {
   if (!is_resident()) return 0;
   const accel::kdtree::EpochPin pin;
   if (tree().untouched()) return 0;
-  Tree* const old = tree_.exchange(new Tree(*this), std::memory_order_acq_rel);
+  auto* const old =
+      static_cast<Tree*>(tree_.exchange(new Tree(*this), std::memory_order_acq_rel));
   count_dropped();
   const std::uint64_t bytes = old->tree.bytes();
   accel::kdtree::retire(

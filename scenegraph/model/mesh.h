@@ -12,11 +12,15 @@
 
 #include "accel/geometry/aabb.h"
 #include "accel/geometry/triangle_mesh.h"
-#include "accel/kdtree/epoch.h"
 #include "accel/kdtree/ref_counted.h"
-#include "accel/mesh/mesh_tree.h"
+#include "accel/mesh/mesh_stats.h"
+#include "accel/mesh/tree_builder.h"
 #include "accel/result.h"
 #include "scenegraph/model/mesh_source.h"
+
+namespace sightline::accel::mesh {
+class MeshTree;
+}  // namespace sightline::accel::mesh
 
 namespace sightline::scenegraph::model {
 
@@ -70,7 +74,6 @@ class Mesh {
     return survey_.triangles - survey_.finite_triangles;
   }                             ///< Triangles with a NaN or infinite vertex.
   std::uint64_t bytes() const;  ///< Vertex and index arrays.
-  std::uint64_t bytes_resident() const { return is_resident() ? bytes() : 0; }
 
   /// Bytes that deformed() takes.
   std::uint64_t bytes_deformed() const;
@@ -79,16 +82,16 @@ class Mesh {
   /// tree after drop_tree(): valid while an EpochPin made before this call lives. Makes the mesh
   /// resident. Throws MeshUnreadable.
   accel::mesh::MeshTree& tree() const { return owned_tree().tree; }
-  /// The same, and what to join so that it lives longer than the pin. Not longer than the mesh.
-  struct OwnedTree {
+  /// A tree with its owner: who joins it keeps the tree longer than the pin, but not longer than the
+  /// mesh.
+  struct OwnedTree : accel::kdtree::RefCounted {
+    explicit OwnedTree(accel::mesh::MeshTree& owned) : tree(owned) {}
     accel::mesh::MeshTree& tree;
-    accel::kdtree::RefCounted& owner;
   };
-  OwnedTree owned_tree() const {
-    Tree* now = tree_.load(std::memory_order_acquire);
-    if (now == nullptr) [[unlikely]]
-      now = &read_tree();
-    return {now->tree, *now};
+  /// As tree().
+  OwnedTree& owned_tree() const {
+    OwnedTree* const now = tree_.load(std::memory_order_acquire);
+    return now != nullptr ? *now : read_tree();
   }
   std::uint64_t tree_bytes() const;  ///< Pins an epoch itself. 0: not resident.
 
@@ -107,10 +110,7 @@ class Mesh {
     std::vector<accel::geometry::Vec3f> vertices;
     std::shared_ptr<const std::vector<accel::geometry::Face>> faces;  // shared with deformed meshes
   };
-  struct Tree final : accel::kdtree::Retirable, accel::kdtree::RefCounted {
-    explicit Tree(const Mesh& mesh);
-    accel::mesh::MeshTree tree;
-  };
+  struct Tree;
   /// What is not resident is read from `source`, by one thread at a time.
   struct Unread {
     std::unique_ptr<const MeshSource> source;
@@ -120,7 +120,7 @@ class Mesh {
        const accel::mesh::TreeBuilder& builder, accel::mesh::References references,
        std::shared_ptr<const void> charge);
   Mesh(const Mesh& surveyed, std::unique_ptr<const MeshSource> source);
-  Tree& read_tree() const;
+  OwnedTree& read_tree() const;
 
   // The first two are set before tree_, and not changed while it is not null.
   mutable std::shared_ptr<const void> charge_;  // released last
@@ -130,7 +130,7 @@ class Mesh {
   accel::mesh::MeshStats survey_;
   accel::mesh::TreeBuilder builder_;
   accel::mesh::References references_;
-  mutable std::atomic<Tree*> tree_;
+  mutable std::atomic<OwnedTree*> tree_;
 };
 
 }  // namespace sightline::scenegraph::model

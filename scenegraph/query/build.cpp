@@ -9,6 +9,8 @@
 #include <tbb/parallel_reduce.h>
 
 #include "accel/kdtree/epoch.h"
+#include "accel/lazy/lazy_tree.h"
+#include "accel/mesh/mesh_tree.h"
 #include "scenegraph/query/first_error.h"
 #include "scenegraph/query/selection.h"
 
@@ -50,19 +52,19 @@ void add_totals(std::span<const model::Mesh* const> meshes, BuildProgress& progr
 class HeldTree {
  public:
   explicit HeldTree(const model::Mesh& mesh) : tree_(join(mesh)) {}
-  ~HeldTree() { tree_.owner.leave(); }
+  ~HeldTree() { tree_.leave(); }
   HeldTree(const HeldTree&) = delete;
   HeldTree& operator=(const HeldTree&) = delete;
   accel::mesh::MeshTree& operator*() const { return tree_.tree; }
 
  private:
-  static model::Mesh::OwnedTree join(const model::Mesh& mesh) {
+  static model::Mesh::OwnedTree& join(const model::Mesh& mesh) {
     const accel::kdtree::EpochPin pin;
-    const model::Mesh::OwnedTree tree = mesh.owned_tree();
-    tree.owner.join();
+    model::Mesh::OwnedTree& tree = mesh.owned_tree();
+    tree.join();
     return tree;
   }
-  const model::Mesh::OwnedTree tree_;
+  model::Mesh::OwnedTree& tree_;
 };
 
 void build_mesh(const model::Mesh& mesh, const std::atomic<bool>* cancelled,

@@ -4,6 +4,7 @@
 #include <bit>
 #include <limits>
 
+#include "accel/lazy/lazy_tree.h"
 #include "accel/mesh/mesh_tree.h"
 #include "scenegraph/query/on_deferred.h"
 #include "scenegraph/query/packet_hits.h"
@@ -154,8 +155,8 @@ void PacketCaster::enter(const instances::Instance& instance, std::uint32_t inde
   mesh_.node = instance.node;
   mesh_.instance = index;
   mesh_.culling = instance.mirrored ? turned(options_.culling) : options_.culling;
-  const model::Mesh::OwnedTree mesh = instance.mesh->owned_tree();
-  const accel::lazy::OwnedTree owned(lazy_, mesh.owner);
+  model::Mesh::OwnedTree& mesh = instance.mesh->owned_tree();
+  const accel::lazy::OwnedTree owned(lazy_, mesh);
   mesh.tree.query(
       mesh_, lanes,
       {lazy_, saw_deferred_, counters_.walked, built, std::span(sinks_).first(collected_.size())});

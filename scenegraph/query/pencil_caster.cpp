@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "accel/lazy/lazy_tree.h"
 #include "accel/mesh/mesh_tree.h"
 #include "accel/wide/carry.h"
 #include "scenegraph/query/on_deferred.h"

@@ -8,6 +8,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
+#include "accel/lazy/lazy_tree.h"
 #include "accel/lazy/stall_detector.h"
 #include "accel/result.h"
 #include "scenegraph/query/first_error.h"

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "accel/mesh/mesh_tree.h"
 #include "scenegraph/query/on_deferred.h"
 #include "scenegraph/query/selection.h"
 #include "scenegraph/query/surface.h"
@@ -111,8 +112,8 @@ void RayCaster::ask_mesh(const instances::Instance& instance, TreeEntry& tree) {
   query_.node = instance.node;
   query_.instance = tree.first + instance.index;
   query_.culling = instance.mirrored ? turned(options_.culling) : options_.culling;
-  const model::Mesh::OwnedTree mesh = instance.mesh->owned_tree();
-  const accel::lazy::OwnedTree owned(query_, mesh.owner);
+  model::Mesh::OwnedTree& mesh = instance.mesh->owned_tree();
+  const accel::lazy::OwnedTree owned(query_, mesh);
   mesh.tree.query(query_, counters_.walked, *tree.built);
   if (query_.primitives != nullptr && query_.found) collected_.end_mesh();
 }

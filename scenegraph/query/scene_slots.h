@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "accel/kdtree/traverse.h"
+#include "accel/lazy/lazy_tree.h"
 #include "scenegraph/query/packet_caster.h"
 #include "scenegraph/query/selection.h"
 

@@ -13,6 +13,8 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
+#include "accel/kdtree/epoch.h"
+#include "accel/lazy/lazy_tree.h"
 #include "scenegraph/query/first_error.h"
 
 namespace sightline::scenegraph::query {

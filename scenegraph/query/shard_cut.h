@@ -10,7 +10,7 @@
 #include "accel/geometry/aabb.h"
 #include "accel/geometry/local_ray.h"
 #include "accel/geometry/ray.h"
-#include "accel/kdtree/traverse.h"
+#include "accel/kdtree/tree_ray.h"
 #include "scenegraph/revision/snapshot.h"
 
 namespace sightline::scenegraph::query {

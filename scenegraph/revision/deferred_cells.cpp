@@ -5,6 +5,8 @@
 
 #include "accel/kdtree/deferred_boxes.h"
 #include "accel/kdtree/epoch.h"
+#include "accel/lazy/lazy_tree.h"
+#include "accel/mesh/mesh_tree.h"
 #include "scenegraph/model/double_box.h"
 
 namespace sightline::scenegraph::revision {

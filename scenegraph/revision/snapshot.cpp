@@ -6,6 +6,8 @@
 
 #include "accel/kdtree/epoch.h"
 #include "accel/kdtree/tree_metrics.h"
+#include "accel/mesh/face_boxes.h"
+#include "accel/mesh/mesh_tree.h"
 #include "scenegraph/revision/tiers.h"
 
 namespace sightline::scenegraph::revision {
@@ -120,7 +122,7 @@ BuildSummary summarize_build(const Snapshot& snapshot) {
     const instances::Instances* opened = tier.tree->instances_so_far();
     if (opened == nullptr) continue;
     (tier.tree->is_static() ? s.bytes_static_tree : s.bytes_dynamic_tree) +=
-        opened->tree().tree().bytes();
+        opened->tree_bytes();
   }
   s.bytes_trees += s.bytes_static_tree + s.bytes_dynamic_tree;
   return s;

@@ -33,7 +33,7 @@ bool has_rays(const v1::PrefetchRequest& request) {
 
 std::uint64_t bytes_of_tree(const scenegraph::instances::SceneTree& tree) {
   const scenegraph::instances::Instances* instances = tree.instances_so_far();
-  return instances != nullptr && instances->begun() ? instances->tree().tree().bytes() : 0;
+  return instances != nullptr && instances->begun() ? instances->tree_bytes() : 0;
 }
 
 }  // namespace

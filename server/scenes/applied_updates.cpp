@@ -228,7 +228,7 @@ std::uint64_t bytes_of(const scenegraph::instances::SceneTrees& trees) {
 std::uint64_t bytes_of(const scenegraph::instances::SceneTree& tree) {
   const scenegraph::instances::Instances* instances = tree.instances_so_far();
   if (instances == nullptr || !instances->begun()) return 0;
-  return instances->opened_members() * kBytesPerPlaced + instances->tree().tree().bytes();
+  return instances->opened_members() * kBytesPerPlaced + instances->tree_bytes();
 }
 
 }  // namespace sightline::server::scenes

@@ -9,6 +9,7 @@ import unittest
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 
+import dependants
 import layers
 import links
 import map_page
@@ -120,6 +121,45 @@ class Layers(Tree):
     def test_a_table_with_a_circle_is_found(self):
         self.assertEqual(list(layers.circles(layers.parse(layers.ROOMS))), [])
         self.assertEqual(len(list(layers.circles(layers.parse("a/b  a/c\na/c  a/b\n")))), 1)
+
+
+class Dependants(Tree):
+    def write_sources(self, header, count):
+        for i in range(count):
+            self.write(f"server/exec/a{i}.cpp", f'#include "{header}"\n')
+
+    def test_a_header_of_a_tree_with_many_dependants_is_found(self):
+        self.write("accel/lazy/demand.h", "")
+        self.write("accel/lazy/lazy_tree.h", '#include "accel/lazy/demand.h"\n')
+        self.write_sources("accel/lazy/lazy_tree.h", dependants.MOST)
+        self.assertEqual(dependants.check(self.root), [])
+        self.write("client/one_more.cpp", '#include "accel/lazy/demand.h"\n')
+        findings = dependants.check(self.root)
+        self.assertEqual(len(findings), 1, findings)
+        self.assertIn(f"accel/lazy/demand.h: has {dependants.MOST + 1} dependants", findings[0])
+
+    def test_headers_of_tests_and_sources_elsewhere_do_not_count(self):
+        self.write("accel/wide/packet.h", "")
+        self.write_sources("accel/wide/packet.h", dependants.MOST)
+        self.write("accel/wide/other.h", '#include "accel/wide/packet.h"\n')
+        self.write("tests/accel/wide/packet_test.cpp", '#include "accel/wide/packet.h"\n')
+        self.assertEqual(dependants.check(self.root), [])
+
+    def test_the_vocabulary_has_any_number_but_includes_only_itself(self):
+        self.write("accel/geometry/vec3.h", "")
+        self.write("accel/mesh/tree_builder.h", '#include <memory>\n#include "accel/geometry/vec3.h"\n')
+        self.write_sources("accel/mesh/tree_builder.h", dependants.MOST + 1)
+        self.assertEqual(dependants.check(self.root), [])
+        self.write("accel/mesh/mesh_tree.h", "")
+        self.write("accel/mesh/tree_builder.h", '#include "accel/mesh/mesh_tree.h"\n')
+        findings = dependants.check(self.root)
+        self.assertIn("accel/mesh/tree_builder.h: includes accel/mesh/mesh_tree.h", "\n".join(findings))
+
+    def test_circles_end(self):
+        self.write("accel/lazy/a.h", '#include "accel/lazy/b.h"\n')
+        self.write("accel/lazy/b.h", '#include "accel/lazy/a.h"\n')
+        self.write("accel/lazy/a.cpp", '#include "accel/lazy/a.h"\n')
+        self.assertEqual(dependants.check(self.root), [])
 
 
 class Namespaces(Tree):

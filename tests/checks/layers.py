@@ -27,7 +27,8 @@ scenegraph/model            accel/result accel/geometry accel/kdtree accel/lazy 
 scenegraph/hierarchy        scenegraph/model
 scenegraph/instances        scenegraph/model scenegraph/hierarchy
                             accel/result accel/geometry accel/kdtree accel/lazy
-scenegraph/revision         scenegraph/model scenegraph/hierarchy scenegraph/instances accel/result accel/kdtree
+scenegraph/revision         scenegraph/model scenegraph/hierarchy scenegraph/instances
+                            accel/result accel/kdtree accel/lazy accel/mesh
 scenegraph/trace_options    accel/geometry
 scenegraph/query            scenegraph/model scenegraph/instances scenegraph/revision scenegraph/trace_options
                             accel/result accel/geometry accel/kdtree accel/wide accel/lazy accel/mesh

@@ -11,6 +11,8 @@
 #include <limits>
 #include <thread>
 
+#include "accel/kdtree/epoch.h"
+#include "accel/mesh/mesh_tree.h"
 #include "scenegraph/query/ray_blocks.h"
 #include "scenegraph/scene.h"
 #include "tests/scenegraph/put_node.h"

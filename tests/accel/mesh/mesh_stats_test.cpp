@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "accel/mesh/face_boxes.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::accel::mesh {

@@ -13,6 +13,7 @@
 
 #include "accel/kdtree/epoch.h"
 #include "accel/kdtree/tree_metrics.h"
+#include "accel/mesh/face_boxes.h"
 #include "accel/mesh/mesh_tree.h"
 #include "accel/published/any_builder.h"
 #include "tests/support/scenes.h"

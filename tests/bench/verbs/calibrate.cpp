@@ -10,6 +10,7 @@
 #include "accel/lazy/lazy_tree.h"
 #include "accel/mesh/face_references.h"
 #include "accel/mesh/leaf_test.h"
+#include "accel/split/split_rule.h"
 #include "tests/bench/verbs/verbs.h"
 #include "tests/bench/verbs/workload.h"
 

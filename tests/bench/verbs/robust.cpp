@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "accel/geometry/intersect.h"
+#include "accel/mesh/face_boxes.h"
 #include "accel/published/any_builder.h"
 #include "tests/bench/verbs/contenders.h"
 #include "tests/bench/verbs/robust_family.h"

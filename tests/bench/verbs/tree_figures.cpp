@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "accel/kdtree/epoch.h"
+#include "accel/mesh/mesh_tree.h"
 #include "accel/published/bvh/bvh_tree.h"
 #include "accel/published/bvh/traverse.h"
 #include "accel/wide/walk_in_doubles.h"

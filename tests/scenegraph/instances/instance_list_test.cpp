@@ -8,7 +8,9 @@
 #include <map>
 #include <thread>
 
+#include "accel/lazy/lazy_tree.h"
 #include "scenegraph/instances/instance_bounds.h"
+#include "scenegraph/instances/instance_group.h"
 #include "scenegraph/trace.h"
 #include "tests/scenegraph/random_hierarchy.h"
 #include "tests/support/all_instances.h"

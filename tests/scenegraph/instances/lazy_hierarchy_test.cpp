@@ -8,6 +8,7 @@
 #include <cstring>
 #include <thread>
 
+#include "scenegraph/instances/sibling_clusters.h"
 #include "scenegraph/query/selection.h"
 #include "scenegraph/trace.h"
 #include "tests/scenegraph/random_hierarchy.h"

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "accel/mesh/mesh_tree.h"
 #include "scenegraph/scene.h"
 #include "scenegraph/trace.h"
 #include "tests/scenegraph/put_node.h"

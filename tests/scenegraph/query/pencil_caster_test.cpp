@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 
+#include "accel/kdtree/epoch.h"
 #include "scenegraph/query/selection.h"
 #include "scenegraph/scene.h"
 #include "scenegraph/trace.h"

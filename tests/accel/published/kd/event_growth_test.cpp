@@ -16,6 +16,7 @@
 #include "accel/kdtree/epoch.h"
 #include "accel/kdtree/tree_metrics.h"
 #include "accel/lazy/lazy_tree.h"
+#include "accel/mesh/face_boxes.h"
 #include "accel/mesh/mesh_tree.h"
 #include "accel/published/any_builder.h"
 #include "accel/split/split_search.h"

@@ -1,0 +1,32 @@
+// How the tree of a mesh is built.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "accel/split/split_rule.h"
+
+namespace sightline::accel::kdtree {
+class TreeMemory;
+}  // namespace sightline::accel::kdtree
+
+namespace sightline::accel::mesh {
+
+class WholeTreeMaker;  // whole_tree.h
+
+/// The builder of a mesh's tree.
+struct TreeBuilder {
+  split::SplitRule rule = split::default_rule();
+  /// If set, it builds the whole tree at once, and `rule` is not used.
+  std::shared_ptr<const WholeTreeMaker> whole = nullptr;
+  /// What the trees count their bytes in, and ask before they grow; null: they may always grow.
+  std::shared_ptr<kdtree::TreeMemory> memory = nullptr;
+};
+
+/// The references that a mesh's tree starts from.
+enum class References : std::uint8_t {
+  kSoup,  ///< Single triangles, as in the paper.
+  kRuns,  ///< Runs of consecutive triangles, if those are compact; opened where rays need them.
+};
+
+}  // namespace sightline::accel::mesh

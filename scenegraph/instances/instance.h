@@ -1,0 +1,27 @@
+// An instance as rays meet it.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "accel/geometry/aabb.h"
+#include "accel/geometry/ray.h"
+#include "scenegraph/model/affine.h"
+#include "scenegraph/model/node.h"
+
+namespace sightline::scenegraph::instances {
+
+/// A node that carries a mesh with a finite triangle, with its world transform.
+struct Instance {
+  model::Affine local_from_world;
+  bool mirrored = false;      ///< The transform reverses windings.
+  accel::geometry::Aabb box;  ///< World, less Instances::center(), rounded outward.
+  model::NodeId node = 0;
+  model::NodeId parent = 0;
+  std::uint32_t mask = accel::geometry::kAllMasks;
+  std::uint32_t index = 0;  ///< Among Instances.
+  const model::Mesh* mesh = nullptr;
+  std::atomic<bool>* entered = nullptr;
+};
+
+}  // namespace sightline::scenegraph::instances
