@@ -1,6 +1,6 @@
 // The way of a batch of rays through one revision. Start reading here.
 //
-//   trace_blocks   pins the two trees of the revision and, for each block of rays, an epoch
+//   trace_blocks   pins the trees of the revision and, for each block of rays, an epoch
 //   cast_rays      takes packets of rays through the trees, their instances and the meshes of those
 //   cast_ray       does so with one ray that a packet leaves
 //   trace, count_hits, list_hits   return the hits, their number or all of them

@@ -85,8 +85,8 @@ struct TraceStats {
   std::uint64_t cells_expanded = 0;
   std::uint64_t trees_begun = 0;  ///< Trees whose roots were expanded.
   std::uint64_t touches = 0;      ///< Reference bounds read by build passes.
-  /// The part of `touches` and `touches_prepare` for the dynamic tree and the meshes that rays
-  /// entered through it. (For a full build: of the dynamic tree only.)
+  /// The part of `touches` and `touches_prepare` for the dynamic trees and the meshes that rays
+  /// entered through them. (For a full build: of the dynamic trees only.)
   std::uint64_t dynamic_touches = 0;
   std::uint64_t touches_prepare = 0;  ///< Boxes made from vertices.
   double build_seconds = 0;           ///< Summed over threads.
@@ -113,7 +113,7 @@ struct TraceStats {
 
 /// The answer of count_hits and list_hits to one ray.
 struct RayTally {
-  std::uint32_t count = 0;  ///< UniqueHits hits, at most kMaxCount. For list_hits: those listed.
+  std::uint32_t count = 0;  ///< Distinct hits, at most kMaxCount. For list_hits: those listed.
   std::uint32_t work = 0;   ///< As Hit::work.
   accel::geometry::HitState state = accel::geometry::HitState::kMiss;
   bool cut_off = false;  ///< There are farther hits than those listed.

@@ -144,6 +144,8 @@ v1::GetServerInfoResponse describe(const ServerConfig& config, std::size_t max_c
                               "all",
                               "culling",
                               "selection",
+                              "time-budget",
+                              "partial-answers",
                               "stream",
                               "prefetch",
                               "updates.stream",
@@ -152,6 +154,10 @@ v1::GetServerInfoResponse describe(const ServerConfig& config, std::size_t max_c
                               "updates.request-id",
                               "watch",
                               "put-scene",
+                              "read-mesh",
+                              "cool",
+                              "deferred-cells",
+                              "log",
                               "consistency",
                               "hit-bits",
                               "hit-positions",
@@ -168,6 +174,7 @@ v1::GetServerInfoResponse describe(const ServerConfig& config, std::size_t max_c
                               "policy.full"}) {
     info.add_features(feature);
   }
+  if (!config.shard_peers.empty()) info.add_features("shards");
   info.set_max_message_bytes(ServerConfig::kMaxMessageBytes);
   info.set_max_blob_chunk_bytes(blobs::kMaxBlobChunk);
   info.set_max_rays_per_request(queries::kMaxRaysPerRequest);

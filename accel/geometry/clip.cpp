@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <cstddef>
 
 namespace sightline::accel::geometry {
 namespace {
@@ -15,10 +15,6 @@ using Corner = std::array<double, 3>;
 struct Polygon {
   std::array<Corner, 9> at;
   std::size_t size;
-
-  Vec3d from_first(std::size_t i) const {
-    return {at[i][0] - at[0][0], at[i][1] - at[0][1], at[i][2] - at[0][2]};
-  }
 };
 
 /// Keeps the part with sign * (x[axis] - position) <= 0. Returns false, and leaves `out` unset, if
@@ -56,24 +52,6 @@ void set_triangle(const Vec3f& a, const Vec3f& b, const Vec3f& c, Polygon& out) 
 }
 
 }  // namespace
-
-double clipped_area(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Aabb& cell) {
-  std::array<Polygon, 2> polygons;
-  std::size_t now = 0;
-  set_triangle(a, b, c, polygons[0]);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double lo = static_cast<double>(cell.lo[axis]), hi = static_cast<double>(cell.hi[axis]);
-    if (cut(polygons[now], axis, -1, lo, polygons[1 - now])) now = 1 - now;
-    if (cut(polygons[now], axis, 1, hi, polygons[1 - now])) now = 1 - now;
-    if (polygons[now].size < 3) return 0;
-  }
-  const Polygon& polygon = polygons[now];
-  Vec3d twice{0, 0, 0};
-  for (std::size_t i = 1; i + 1 < polygon.size; ++i) {
-    twice = twice + cross(polygon.from_first(i), polygon.from_first(i + 1));
-  }
-  return std::sqrt(dot(twice, twice)) / 2;
-}
 
 std::optional<Aabb> clipped_bounds(const Vec3f& a, const Vec3f& b, const Vec3f& c,
                                    const Aabb& cell) {

@@ -13,8 +13,4 @@ namespace sightline::accel::geometry {
 std::optional<Aabb> clipped_bounds(const Vec3f& a, const Vec3f& b, const Vec3f& c,
                                    const Aabb& cell);
 
-/// Area of the part of a triangle that lies in the cell, to double precision. Vertices must be
-/// finite.
-double clipped_area(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Aabb& cell);
-
 }  // namespace sightline::accel::geometry

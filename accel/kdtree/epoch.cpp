@@ -213,8 +213,6 @@ void retire_for_walks(Retirable& object, void (*free)(Retirable*), std::uint64_t
   retire_from_now(object, free, bytes, false);
 }
 
-std::uint64_t retired_bytes() { return domain().bytes.load(std::memory_order_relaxed); }
-
 void reclaim() { try_to_free(domain()); }
 
 }  // namespace sightline::accel::kdtree

@@ -41,9 +41,6 @@ void retire(Retirable& object, void (*free)(Retirable*), std::uint64_t bytes, bo
 /// it go.
 void retire_for_walks(Retirable& object, void (*free)(Retirable*), std::uint64_t bytes);
 
-/// Bytes retired and not yet freed.
-std::uint64_t retired_bytes();
-
 /// Frees all that can be freed now. For shutdown and for accounting; retire() also frees from time
 /// to time.
 void reclaim();

@@ -6,12 +6,12 @@
 
 namespace sightline::client::load {
 
-/// Values are exact below 2^(kPrecisionBits + 1), and known to within kRelativeError above.
+/// Values are exact below 2^(kPrecisionBits + 1), and known to within a share of
+/// 2^-(kPrecisionBits + 1) of themselves above.
 /// Threads: one at a time.
 class Histogram {
  public:
   static constexpr int kPrecisionBits = 8;
-  static constexpr double kRelativeError = 1.0 / (1 << (kPrecisionBits + 1));
 
   void add(std::uint64_t value);
   void add(const Histogram& other);

@@ -35,7 +35,6 @@ class RaySet {
   void append(const RayColumns<const Scalar>& rays);
 
   std::size_t size() const;
-  bool is_double() const { return std::holds_alternative<Columns<double>>(columns_); }
   Ray at(std::size_t i) const;
   /// Those with these numbers, in this order and precision.
   RaySet pick(std::span<const std::size_t> chosen) const;

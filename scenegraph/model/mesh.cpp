@@ -155,8 +155,7 @@ std::uint64_t Mesh::drop_tree() const {
   if (!is_resident()) return 0;
   const accel::kdtree::EpochPin pin;
   if (tree().untouched()) return 0;
-  auto* const old =
-      static_cast<Tree*>(tree_.exchange(new Tree(*this), std::memory_order_acq_rel));
+  auto* const old = static_cast<Tree*>(tree_.exchange(new Tree(*this), std::memory_order_acq_rel));
   count_dropped();
   const std::uint64_t bytes = old->tree.bytes();
   accel::kdtree::retire(

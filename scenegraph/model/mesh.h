@@ -82,8 +82,8 @@ class Mesh {
   /// tree after drop_tree(): valid while an EpochPin made before this call lives. Makes the mesh
   /// resident. Throws MeshUnreadable.
   accel::mesh::MeshTree& tree() const { return owned_tree().tree; }
-  /// A tree with its owner: who joins it keeps the tree longer than the pin, but not longer than the
-  /// mesh.
+  /// A tree with its owner: who joins it keeps the tree longer than the pin, but not longer than
+  /// the mesh.
   struct OwnedTree : accel::kdtree::RefCounted {
     explicit OwnedTree(accel::mesh::MeshTree& owned) : tree(owned) {}
     accel::mesh::MeshTree& tree;

@@ -64,7 +64,7 @@ std::vector<const model::Mesh*> meshes_of(std::span<const model::Node* const> no
 Status build_mesh_trees(std::span<const model::Node* const> nodes, BuildProgress& progress,
                         const std::atomic<bool>* cancelled);
 
-/// Builds the scene's own two trees completely, over all instances. Errors: kCancelled,
+/// Builds the scene's own trees completely, over all instances. Errors: kCancelled,
 /// kResourceExhausted.
 Status build_scene_tree(const revision::Snapshot& snapshot, BuildProgress& progress,
                         const std::atomic<bool>* cancelled);

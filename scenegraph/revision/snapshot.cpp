@@ -121,8 +121,7 @@ BuildSummary summarize_build(const Snapshot& snapshot) {
   for (const instances::Tier& tier : snapshot.shared_trees().tiers) {
     const instances::Instances* opened = tier.tree->instances_so_far();
     if (opened == nullptr) continue;
-    (tier.tree->is_static() ? s.bytes_static_tree : s.bytes_dynamic_tree) +=
-        opened->tree_bytes();
+    (tier.tree->is_static() ? s.bytes_static_tree : s.bytes_dynamic_tree) += opened->tree_bytes();
   }
   s.bytes_trees += s.bytes_static_tree + s.bytes_dynamic_tree;
   return s;

@@ -39,7 +39,6 @@ void encode_lists(std::span<const scenegraph::RayTally> tallies,
                   std::span<const accel::geometry::Hit> hits, std::span<const v1::HitField> fields,
                   v1::CastRaysResponse& reply);
 
-/// Sets all of CastStats except queue_us and trace_us, which only the caller knows.
 /// Sets the bits of the rays of these states that have no answer; the first is ray `first` of
 /// `rays` of the reply.
 void mark_unanswered(std::span<const accel::geometry::HitState> states, std::size_t first,
@@ -47,6 +46,7 @@ void mark_unanswered(std::span<const accel::geometry::HitState> states, std::siz
 void mark_unanswered(std::span<const scenegraph::RayTally> tallies, std::size_t first,
                      std::size_t rays, v1::CastRaysResponse& reply);
 
+/// Sets all of CastStats except queue_us and trace_us, which only the caller knows.
 void encode_stats(const scenegraph::TraceStats& stats, v1::CastStats& reply);
 
 }  // namespace sightline::server::queries

@@ -51,8 +51,6 @@ class FileSystem {
   virtual Status rename(const Path& from, const Path& to) = 0;
   /// A file that does not exist is success.
   virtual Status remove(const Path& file) = 0;
-  /// Gives a file a second name, or copies it to another file system. Errors: also kNotFound.
-  virtual Status link_or_copy(const Path& from, const Path& to) = 0;
   /// Errors: also kNotFound.
   virtual Result<std::unique_ptr<MappedFile>> map(const Path& file) = 0;
   /// The regular files of a directory, without those of directories in it; none if it does not

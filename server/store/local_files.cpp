@@ -137,19 +137,6 @@ class LocalFiles final : public FileSystem {
     return {};
   }
 
-  Status link_or_copy(const Path& from, const Path& to) override {
-    if (::link(from.c_str(), to.c_str()) == 0) return {};
-    if (errno == ENOENT && !exists(from)) return missing(from);
-    if (errno != EXDEV && errno != EPERM && errno != EMLINK && errno != EOPNOTSUPP)
-      return failed("link a file to", to);
-    const auto mapped = map(from);
-    if (!mapped) return mapped.error();
-    const auto copy = create(to);
-    if (!copy) return copy.error();
-    if (Status written = write(*copy, (*mapped)->bytes(), to); !written) return written;
-    return sync(*copy, to);
-  }
-
   Result<std::unique_ptr<MappedFile>> map(const Path& file) override {
     const net::Descriptor opened(
         repeat([&] { return ::open(file.c_str(), O_RDONLY | O_CLOEXEC); }));

@@ -3,7 +3,6 @@
 
 #include <utility>
 
-#include "server/store/backup.h"
 #include "server/store/blob_files.h"
 #include "server/store/disk_budget.h"
 #include "server/store/snapshot_rows.h"
@@ -100,11 +99,6 @@ void SqliteStore::rows_dropped() { parts_->writer.expect_garbage(); }
 Status SqliteStore::writable() {
   if (Status last = parts_->writer.last(); !last) return last;
   return parts_->budget.admit(kLeastWrite);
-}
-
-Status SqliteStore::backup(const std::filesystem::path& directory) {
-  const auto keep = parts_->blobs.keep_all();
-  return copy_store(parts_->directory, parts_->files, directory);
 }
 
 }  // namespace sightline::server::store

@@ -32,12 +32,6 @@ class SqliteStore final : public RowStore {
   StoreFigures figures() const override;
   Status writable() override;
 
-  /// Copies the store, as it is now, to a directory that is empty or missing and whose parent
-  /// exists: the database page by page, blobs as second names of their files where the file system
-  /// has them. The copy is a data directory. Batches are committed meanwhile; blobs are not swept.
-  /// Errors: kFailedPrecondition (BACKUP_NOT_EMPTY), those of FileSystem and of Database.
-  Status backup(const std::filesystem::path& directory);
-
  private:
   struct Parts;
   explicit SqliteStore(std::unique_ptr<Parts> parts);

@@ -41,9 +41,6 @@ class StoredBlobs {
 
   BlobTotals totals() const;
 
-  /// While it is held, no blob is removed.
-  std::shared_lock<std::shared_mutex> keep_all() { return std::shared_lock(removing_); }
-
  private:
   class Writing;
   using Clock = std::chrono::steady_clock;

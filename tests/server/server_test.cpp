@@ -10,6 +10,7 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -114,6 +115,11 @@ TEST_F(ServerTest, ReportsItsLimits) {
   EXPECT_EQ(info.max_cast_streams(), 256u);
   EXPECT_EQ(info.max_streams_per_connection(), 32u);
   EXPECT_EQ(info.reply_timeout_ms(), 30'000u);
+  const std::set<std::string> features(info.features().begin(), info.features().end());
+  for (const char* feature :
+       {"closest", "time-budget", "partial-answers", "read-mesh", "cool", "deferred-cells", "log"})
+    EXPECT_TRUE(features.contains(feature)) << feature;
+  EXPECT_FALSE(features.contains("shards") || features.contains("durable"));
   std::vector<const google::protobuf::FieldDescriptor*> reported;
   info.GetReflection()->ListFields(info, &reported);
   EXPECT_FALSE(info.has_storage()) << "this server has no data directory";

@@ -35,9 +35,6 @@ class SceneFolder {
   /// Opens the scene file itself, at any path. Errors: those of open_regular.
   static Result<SceneFolder> open(const std::filesystem::path& file);
 
-  /// The name under which a reader asks for the scene file.
-  const std::string& scene_file() const { return name_; }
-
   /// Opens a file by its path relative to the folder. Nothing: it does not exist, is not regular or
   /// is not below the folder.
   std::optional<OpenedFile> open_file(const std::string& name);

@@ -31,11 +31,9 @@ TEST(Epoch, WaitsForPins) {
     retire(*new Thing, free_thing, 8);
     reclaim();
     EXPECT_EQ(freed, 0);
-    EXPECT_GE(retired_bytes(), 8u);
   }
   reclaim();
   EXPECT_EQ(freed, 1);
-  EXPECT_EQ(retired_bytes(), 0u);
 }
 
 TEST(Epoch, ARenewedPinKeepsNothingThatWasRetiredBefore) {

@@ -2,6 +2,7 @@
 #include "tests/bench/verbs/end_point_overlap.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -10,7 +11,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
-#include "accel/geometry/clip.h"
+#include "accel/geometry/aabb.h"
 #include "accel/kdtree/tree_metrics.h"
 
 namespace sightline::bench {
@@ -36,6 +37,37 @@ class Names {
   std::vector<std::size_t> begin_, positions_;
 };
 
+/// Keeps the part with sign * (v[axis] - position) <= 0 (Sutherland, Hodgman 1974).
+std::vector<accel::geometry::Vec3d> cut(const std::vector<accel::geometry::Vec3d>& in,
+                                        std::size_t axis, double sign, double position) {
+  std::vector<accel::geometry::Vec3d> out;
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    const accel::geometry::Vec3d &p = in[i], &q = in[(i + 1) % in.size()];
+    const double dp = sign * (p[axis] - position), dq = sign * (q[axis] - position);
+    if (dp <= 0) out.push_back(p);
+    if ((dp < 0 && dq > 0) || (dp > 0 && dq < 0)) {
+      out.push_back(p + (q - p) * (dp / (dp - dq)));
+      out.back()[axis] = position;
+    }
+  }
+  return out;
+}
+
+/// Area of the part of a triangle that lies in the cell. Vertices must be finite.
+double clipped_area(const accel::geometry::Vec3f& a, const accel::geometry::Vec3f& b,
+                    const accel::geometry::Vec3f& c, const accel::geometry::Aabb& cell) {
+  std::vector<accel::geometry::Vec3d> polygon;
+  for (const accel::geometry::Vec3f& v : {a, b, c}) polygon.emplace_back(v);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    polygon = cut(polygon, axis, -1, static_cast<double>(cell.lo[axis]));
+    polygon = cut(polygon, axis, 1, static_cast<double>(cell.hi[axis]));
+  }
+  accel::geometry::Vec3d twice{0, 0, 0};
+  for (std::size_t i = 1; i + 1 < polygon.size(); ++i)
+    twice = twice + cross(polygon[i] - polygon[0], polygon[i + 1] - polygon[0]);
+  return std::sqrt(dot(twice, twice)) / 2;
+}
+
 /// The contribution of one triangle.
 class Descent {
  public:
@@ -52,7 +84,7 @@ class Descent {
     const auto named = std::lower_bound(names_.begin(), names_.end(), begin);
     const bool knows = named != names_.end() && *named < end;
     if (knows && !at.inner) return 0;
-    const double area = knows ? 0 : accel::geometry::clipped_area(a_, b_, c_, at.box);
+    const double area = knows ? 0 : clipped_area(a_, b_, c_, at.box);
     if (!at.inner) return accel::kdtree::kMeasuredIntersect * at.count * area;
     if (!knows && !(area > 0)) return 0;
     const accel::published::bvh::BvhNode& node = bvh_.nodes[at.first];
@@ -93,7 +125,7 @@ double end_point_overlap(const accel::published::bvh::Bvh& bvh,
                                    &b = mesh.vertices[mesh.faces[i][1]],
                                    &c = mesh.vertices[mesh.faces[i][2]];
       sum.outside += Descent(bvh, a, b, c, names.of(i)).sum(bvh.root, 0, bvh.ids.size());
-      sum.area += accel::geometry::clipped_area(a, b, c, bvh.root.box);
+      sum.area += clipped_area(a, b, c, bvh.root.box);
     }
     return sum;
   };

@@ -1,7 +1,7 @@
 // With the exact test the bench's walk gives the product's answers; with the plain float test it
 // has that test's known faults.
-#include "accel/mesh/mesh_tree.h"
 #include "tests/bench/verbs/kernel_walk.h"
+#include "accel/mesh/mesh_tree.h"
 
 #include <gtest/gtest.h>
 

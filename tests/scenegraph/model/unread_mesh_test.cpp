@@ -119,8 +119,6 @@ TEST_F(UnreadMesh, IsReadByTheFirstRayThatEntersIt) {
   EXPECT_FALSE(unread_[1]->is_resident());
   EXPECT_EQ(asked_[0].reads, 1);
   EXPECT_EQ(asked_[0].charged, 1);
-  EXPECT_EQ(unread_[0]->bytes_resident(), resident_[0]->bytes());
-  EXPECT_EQ(unread_[1]->bytes_resident(), 0u);
 }
 
 TEST_F(UnreadMesh, SaysOfItselfWhatItDoesWhenItIsRead) {

@@ -79,11 +79,6 @@ Status FailingFiles::remove(const Path& file) {
   return files_.remove(file);
 }
 
-Status FailingFiles::link_or_copy(const Path& from, const Path& to) {
-  if (const int number = next("link")) return file_error("link", to, number);
-  return files_.link_or_copy(from, to);
-}
-
 Result<std::unique_ptr<server::store::MappedFile>> FailingFiles::map(const Path& file) {
   if (const int number = next("mmap")) return file_error("map", file, number);
   return files_.map(file);

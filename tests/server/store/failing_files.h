@@ -39,7 +39,6 @@ class FailingFiles : public server::store::FileSystem {
   Status sync_directory(const Path& directory) override;
   Status rename(const Path& from, const Path& to) override;
   Status remove(const Path& file) override;
-  Status link_or_copy(const Path& from, const Path& to) override;
   Result<std::unique_ptr<server::store::MappedFile>> map(const Path& file) override;
   Result<std::vector<server::store::FileEntry>> list(const Path& directory) override;
   bool exists(const Path& file) override { return files_.exists(file); }

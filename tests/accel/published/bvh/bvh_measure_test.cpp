@@ -48,13 +48,5 @@ TEST(BvhGrowth, ListsEachTriangleOnceALeafUnlessItRepeats) {
             (std::vector<std::uint32_t>{7, 3, 7}));
 }
 
-TEST(ClippedArea, IsTheAreaOfThePartInTheBox) {
-  const geometry::Vec3f a{0, 0, 0}, b{2, 0, 0}, c{0, 2, 0};
-  EXPECT_DOUBLE_EQ(clipped_area(a, b, c, {{0, 0, -1}, {2, 2, 1}}), 2);
-  EXPECT_DOUBLE_EQ(clipped_area(a, b, c, {{0, 0, 0}, {1, 1, 0}}), 1);
-  EXPECT_DOUBLE_EQ(clipped_area(a, b, c, {{1, 1, -1}, {2, 2, 1}}), 0);
-  EXPECT_DOUBLE_EQ(clipped_area(a, b, c, {{0, 0, 1}, {2, 2, 2}}), 0);
-}
-
 }  // namespace
 }  // namespace sightline::accel::published::bvh
