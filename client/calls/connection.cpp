@@ -61,41 +61,9 @@ bool is_visible(const std::string& text) {
          std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c <= '~'; });
 }
 
-Code code_of(grpc::StatusCode code) {
-  switch (code) {
-    case grpc::CANCELLED:
-      return Code::kCancelled;
-    case grpc::INVALID_ARGUMENT:
-      return Code::kInvalidArgument;
-    case grpc::DEADLINE_EXCEEDED:
-      return Code::kDeadlineExceeded;
-    case grpc::NOT_FOUND:
-      return Code::kNotFound;
-    case grpc::ALREADY_EXISTS:
-      return Code::kAlreadyExists;
-    case grpc::PERMISSION_DENIED:
-      return Code::kPermissionDenied;
-    case grpc::RESOURCE_EXHAUSTED:
-      return Code::kResourceExhausted;
-    case grpc::FAILED_PRECONDITION:
-      return Code::kFailedPrecondition;
-    case grpc::ABORTED:
-      return Code::kAborted;
-    case grpc::OUT_OF_RANGE:
-      return Code::kOutOfRange;
-    case grpc::UNIMPLEMENTED:
-      return Code::kUnimplemented;
-    case grpc::INTERNAL:
-      return Code::kInternal;
-    case grpc::UNAVAILABLE:
-      return Code::kUnavailable;
-    case grpc::DATA_LOSS:
-      return Code::kDataLoss;
-    case grpc::UNAUTHENTICATED:
-      return Code::kUnauthenticated;
-    default:
-      return Code::kUnknown;
-  }
+Code code_of(int code) {
+  return code > grpc::OK && code <= grpc::UNAUTHENTICATED ? static_cast<Code>(code)
+                                                          : Code::kUnknown;
 }
 
 std::string reason_of(const grpc::Status& status) {
@@ -171,7 +139,7 @@ void Connection::wait_until_connected() const {
 }
 
 Error rpc_error(int code, const std::string& message, const std::string& reason) {
-  return {code_of(static_cast<grpc::StatusCode>(code)), message, reason};
+  return {code_of(code), message, reason};
 }
 
 std::string random_request_id() {

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <utility>
@@ -16,12 +15,6 @@ namespace sightline::client::cli {
 namespace {
 
 Reporting current;
-
-constexpr std::array<const char*, 16> kCodeNames{
-    "CANCELLED",      "UNKNOWN",           "INVALID_ARGUMENT",   "DEADLINE_EXCEEDED",   "NOT_FOUND",
-    "ALREADY_EXISTS", "PERMISSION_DENIED", "RESOURCE_EXHAUSTED", "FAILED_PRECONDITION", "ABORTED",
-    "OUT_OF_RANGE",   "UNIMPLEMENTED",     "INTERNAL",           "UNAVAILABLE",         "DATA_LOSS",
-    "UNAUTHENTICATED"};
 
 // Reads the environment, which no thread of the command changes.
 bool is_set(const char* name) {
@@ -71,7 +64,7 @@ bool is_stderr_a_terminal() {
 void print_error(const Error& error, int exit) {
   const std::string hint = current.hint ? printable(current.hint(error)) : "";
   if (current.json) {
-    print_json_error({{"code", kCodeNames.at(static_cast<std::size_t>(error.code))},
+    print_json_error({{"code", name_of(error.code)},
                       {"reason", error.reason},
                       {"message", text_of(error)},
                       {"hint", hint},

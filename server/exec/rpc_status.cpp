@@ -18,46 +18,7 @@
 namespace sightline::server::exec {
 namespace {
 
-struct GrpcCode {
-  grpc::StatusCode code;
-  const char* name;
-};
-
-GrpcCode grpc_code(Code code) {
-  switch (code) {
-    case Code::kInvalidArgument:
-      return {grpc::StatusCode::INVALID_ARGUMENT, "INVALID_ARGUMENT"};
-    case Code::kNotFound:
-      return {grpc::StatusCode::NOT_FOUND, "NOT_FOUND"};
-    case Code::kAlreadyExists:
-      return {grpc::StatusCode::ALREADY_EXISTS, "ALREADY_EXISTS"};
-    case Code::kUnauthenticated:
-      return {grpc::StatusCode::UNAUTHENTICATED, "UNAUTHENTICATED"};
-    case Code::kPermissionDenied:
-      return {grpc::StatusCode::PERMISSION_DENIED, "PERMISSION_DENIED"};
-    case Code::kFailedPrecondition:
-      return {grpc::StatusCode::FAILED_PRECONDITION, "FAILED_PRECONDITION"};
-    case Code::kAborted:
-      return {grpc::StatusCode::ABORTED, "ABORTED"};
-    case Code::kOutOfRange:
-      return {grpc::StatusCode::OUT_OF_RANGE, "OUT_OF_RANGE"};
-    case Code::kResourceExhausted:
-      return {grpc::StatusCode::RESOURCE_EXHAUSTED, "RESOURCE_EXHAUSTED"};
-    case Code::kCancelled:
-      return {grpc::StatusCode::CANCELLED, "CANCELLED"};
-    case Code::kDeadlineExceeded:
-      return {grpc::StatusCode::DEADLINE_EXCEEDED, "DEADLINE_EXCEEDED"};
-    case Code::kUnavailable:
-      return {grpc::StatusCode::UNAVAILABLE, "UNAVAILABLE"};
-    case Code::kDataLoss:
-      return {grpc::StatusCode::DATA_LOSS, "DATA_LOSS"};
-    case Code::kUnimplemented:
-      return {grpc::StatusCode::UNIMPLEMENTED, "UNIMPLEMENTED"};
-    case Code::kInternal:
-      return {grpc::StatusCode::INTERNAL, "INTERNAL"};
-  }
-  return {grpc::StatusCode::INTERNAL, "INTERNAL"};
-}
+grpc::StatusCode grpc_code(Code code) { return static_cast<grpc::StatusCode>(code); }
 
 /// Whether what is refused may be granted later.
 bool is_temporary(grpc::StatusCode code, std::string_view reason) {
@@ -80,11 +41,11 @@ Error invalid_argument(std::string message, std::string reason) {
 }
 
 std::string reason_of(const Error& error) {
-  return error.reason.empty() ? grpc_code(error.code).name : error.reason;
+  return error.reason.empty() ? name_of(error.code) : error.reason;
 }
 
 grpc::Status to_grpc(const Error& error) {
-  const grpc::StatusCode code = grpc_code(error.code).code;
+  const grpc::StatusCode code = grpc_code(error.code);
   google::rpc::ErrorInfo info;
   info.set_reason(reason_of(error));
   info.set_domain(kErrorDomain);
@@ -102,12 +63,10 @@ grpc::Status to_grpc(const Error& error) {
 }
 
 Error error_of(const grpc::Status& status) {
-  Error error{Code::kInternal, status.error_message(), reason_of(status)};
-  for (int code = 0; code <= static_cast<int>(Code::kInternal); ++code) {
-    if (grpc_code(static_cast<Code>(code)).code == status.error_code())
-      error.code = static_cast<Code>(code);
-  }
-  return error;
+  const bool is_known = status.error_code() > grpc::StatusCode::OK &&
+                        status.error_code() <= grpc::StatusCode::UNAUTHENTICATED;
+  return {is_known ? static_cast<Code>(status.error_code()) : Code::kUnknown,
+          status.error_message(), reason_of(status)};
 }
 
 std::string reason_of(const grpc::Status& status) {

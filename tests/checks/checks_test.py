@@ -99,7 +99,7 @@ class Layers(Tree):
         ("server/server.cpp", '"client/client.h"'),
         ("server/server.cpp", "<assimp/scene.h>"),
         ("client/client.h", '"client/calls/channel.h"'),
-        ("client/calls/b.cpp", '"accel/result.h"'),
+        ("client/calls/b.cpp", '"accel/geometry/vec3.h"'),
         ("client/calls/b.cpp", '"scenegraph/scene.h"'),
         ("client/calls/b.cpp", "<assimp/scene.h>"),
         ("client/calls/b.cpp", "<spdlog/spdlog.h>"),

@@ -9,13 +9,13 @@ from sources import PRODUCT, cpp_files, includes, read
 # specific room of a file counts.
 ROOMS = """
 proto/rays
+proto/result
 
-accel/result
 accel/geometry
 accel/kdtree                accel/geometry
 accel/blocks                accel/geometry accel/kdtree
 accel/wide                  accel/geometry accel/kdtree accel/blocks
-accel/split                 accel/result accel/geometry accel/kdtree
+accel/split                 proto/result accel/geometry accel/kdtree
 accel/grow                  accel/geometry accel/kdtree accel/blocks accel/wide accel/split
 accel/lazy                  accel/geometry accel/kdtree accel/blocks accel/wide accel/split accel/grow
 accel/mesh                  accel/geometry accel/kdtree accel/blocks accel/wide accel/split accel/grow accel/lazy
@@ -23,42 +23,42 @@ accel/published/kd          accel/*
 accel/published/bvh         accel/*
 accel/published             accel/*
 
-scenegraph/model            accel/result accel/geometry accel/kdtree accel/lazy accel/mesh
+scenegraph/model            proto/result accel/geometry accel/kdtree accel/lazy accel/mesh
 scenegraph/hierarchy        scenegraph/model
 scenegraph/instances        scenegraph/model scenegraph/hierarchy
-                            accel/result accel/geometry accel/kdtree accel/lazy
+                            proto/result accel/geometry accel/kdtree accel/lazy
 scenegraph/revision         scenegraph/model scenegraph/hierarchy scenegraph/instances
-                            accel/result accel/kdtree accel/lazy accel/mesh
+                            proto/result accel/kdtree accel/lazy accel/mesh
 scenegraph/trace_options    accel/geometry
 scenegraph/query            scenegraph/model scenegraph/instances scenegraph/revision scenegraph/trace_options
-                            accel/result accel/geometry accel/kdtree accel/wide accel/lazy accel/mesh
-scenegraph/trace            scenegraph/* accel/result accel/geometry accel/kdtree
-scenegraph/scene            scenegraph/* accel/result accel/geometry
+                            proto/result accel/geometry accel/kdtree accel/wide accel/lazy accel/mesh
+scenegraph/trace            scenegraph/* proto/result accel/geometry accel/kdtree
+scenegraph/scene            scenegraph/* proto/result accel/geometry
 
-server/exec                 accel/result accel/kdtree
+server/exec                 proto/result accel/kdtree
 server/net/descriptor
-server/net                  server/net/descriptor server/exec accel/result
-server/settings             server/exec accel/result
-server/metrics              server/exec scenegraph/trace_options accel/result
-server/admin                server/exec server/net server/net/descriptor accel/result
-server/security             server/exec accel/result
-server/blobs/digest         server/exec accel/result
-server/store                server/exec server/net/descriptor server/blobs/digest accel/result
-server/store/postgres       server/store server/exec server/net/descriptor server/blobs/digest accel/result
+server/net                  server/net/descriptor server/exec proto/result
+server/settings             server/exec proto/result
+server/metrics              server/exec scenegraph/trace_options proto/result
+server/admin                server/exec server/net server/net/descriptor proto/result
+server/security             server/exec proto/result
+server/blobs/digest         server/exec proto/result
+server/store                server/exec server/net/descriptor server/blobs/digest proto/result
+server/store/postgres       server/store server/exec server/net/descriptor server/blobs/digest proto/result
 server/blobs                server/exec server/store server/blobs/digest
-                            scenegraph/model accel/result accel/geometry
-server/codec                server/exec server/blobs server/blobs/digest scenegraph/model accel/result
+                            scenegraph/model proto/result accel/geometry
+server/codec                server/exec server/blobs server/blobs/digest scenegraph/model proto/result
 server/scenes               server/exec server/metrics server/store server/blobs server/blobs/digest server/codec
                             scenegraph/scene scenegraph/trace_options scenegraph/model scenegraph/instances
-                            scenegraph/revision accel/result accel/kdtree
-server/shards               server/exec server/net scenegraph/query scenegraph/revision scenegraph/trace_options accel/result accel/geometry
-server/queries              server/exec server/metrics server/scenes server/shards scenegraph/* accel/result accel/geometry proto/rays
-server/updates              server/exec server/store server/blobs server/blobs/digest server/codec server/scenes scenegraph/* accel/result
+                            scenegraph/revision proto/result accel/kdtree
+server/shards               server/exec server/net scenegraph/query scenegraph/revision scenegraph/trace_options proto/result accel/geometry
+server/queries              server/exec server/metrics server/scenes server/shards scenegraph/* proto/result accel/geometry proto/rays
+server/updates              server/exec server/store server/blobs server/blobs/digest server/codec server/scenes scenegraph/* proto/result
 server/durable              server/exec server/store server/store/postgres server/blobs server/blobs/digest server/codec server/scenes
-                            server/updates scenegraph/* accel/result
-server                      server/* scenegraph/* accel/result accel/split
+                            server/updates scenegraph/* proto/result
+server                      server/* scenegraph/* proto/result accel/split
 
-client/*.h                  proto/rays
+client/*.h                  proto/rays proto/result
 client/importer/sandbox     client/*.h
 client/importer             client/*.h client/importer/sandbox
 client/wire                 client/*.h proto/rays

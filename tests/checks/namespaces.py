@@ -92,8 +92,8 @@ def named(namespace):
 # What the language wants there: main, and replacements of operator new and delete.
 GLOBAL = ("main", "new", "delete")
 
-# Result and Error belong to all folders of the server side.
-SHARED = {"accel/result.h": "sightline"}
+# Result and Error belong to all folders.
+SHARED = {"proto/result.h": "sightline"}
 
 
 def may_define(file, namespace):
