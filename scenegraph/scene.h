@@ -15,7 +15,7 @@
 #include <optional>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/model/update.h"
 #include "scenegraph/revision/snapshot.h"
 #include "scenegraph/revision/tiers.h"

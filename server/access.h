@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/config.h"
 #include "server/net/listen_address.h"
 #include "server/security/authenticator.h"

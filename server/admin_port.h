@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/admin/http_server.h"
 #include "server/admin/readiness.h"
 #include "server/admin/tunnel.h"

@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/trace.h"
 #include "server/exec/admission.h"
 #include "server/exec/quotas.h"

@@ -12,7 +12,7 @@
 #include <mutex>
 #include <stop_token>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/access.h"
 #include "server/exec/open_rpcs.h"
 #include "server/exec/refusal_pace.h"

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/config.h"
 
 namespace sightline::server {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/blobs/blob_store.h"
 #include "server/config.h"
 #include "server/durable/store_follower.h"

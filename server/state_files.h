@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "accel/result.h"
+#include "proto/result.h"
 
 namespace sightline::server {
 

@@ -13,8 +13,8 @@
 #include "accel/published/kd/hunt_scan.h"
 #include "accel/published/kd/median_builders.h"
 #include "accel/published/kd/min_max_builder.h"
-#include "accel/result.h"
 #include "accel/split/scan_split.h"
+#include "proto/result.h"
 
 namespace sightline::accel::published {
 

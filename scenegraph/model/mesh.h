@@ -15,7 +15,7 @@
 #include "accel/kdtree/ref_counted.h"
 #include "accel/mesh/mesh_stats.h"
 #include "accel/mesh/tree_builder.h"
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/model/mesh_source.h"
 
 namespace sightline::accel::mesh {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <utility>
 
-#include "accel/result.h"
+#include "proto/result.h"
 
 namespace sightline::scenegraph::model {
 

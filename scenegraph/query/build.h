@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/query/or_error.h"
 #include "scenegraph/query/shard_cut.h"
 #include "scenegraph/revision/snapshot.h"

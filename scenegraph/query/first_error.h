@@ -5,7 +5,7 @@
 #include <mutex>
 #include <utility>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/query/or_error.h"
 
 namespace sightline::scenegraph::query {

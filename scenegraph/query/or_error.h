@@ -3,7 +3,7 @@
 
 #include <new>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/model/mesh_source.h"
 
 namespace sightline::scenegraph::query {

@@ -10,7 +10,7 @@
 
 #include "accel/lazy/lazy_tree.h"
 #include "accel/lazy/stall_detector.h"
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/query/first_error.h"
 #include "scenegraph/query/ray_caster.h"
 #include "scenegraph/trace_options.h"

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/instances/instance_filter.h"
 #include "scenegraph/query/shard_cut.h"
 #include "scenegraph/revision/snapshot.h"

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/model/node.h"
 
 namespace sightline::scenegraph::revision {

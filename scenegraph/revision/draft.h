@@ -8,7 +8,7 @@
 #include <unordered_set>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/model/update.h"
 #include "scenegraph/revision/deformations.h"
 #include "scenegraph/revision/mobility.h"

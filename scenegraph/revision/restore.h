@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/hierarchy/summary_update.h"
 #include "scenegraph/model/node.h"
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 
 namespace sightline::server::admin {
 

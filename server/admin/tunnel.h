@@ -13,7 +13,7 @@
 #include <string_view>
 #include <unordered_set>
 
-#include "accel/result.h"
+#include "proto/result.h"
 
 namespace sightline::server::admin {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include "accel/result.h"
+#include "proto/result.h"
 
 struct evp_md_ctx_st;
 

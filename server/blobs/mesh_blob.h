@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "accel/geometry/triangle_mesh.h"
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/model/mesh.h"
 #include "server/blobs/digest.h"
 

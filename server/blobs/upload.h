@@ -11,7 +11,7 @@
 #include <span>
 #include <utility>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/model/mesh.h"
 #include "server/blobs/mesh_blob.h"
 #include "server/store/store.h"

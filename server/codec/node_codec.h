@@ -1,7 +1,7 @@
 // Decodes and encodes nodes.
 #pragma once
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/model/node.h"
 #include "sightline/v1/scene.pb.h"
 

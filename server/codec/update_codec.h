@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/model/update.h"
 #include "server/blobs/blob_store.h"
 #include "sightline/v1/scene.pb.h"

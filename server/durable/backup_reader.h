@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/store/store.h"
 #include "sightline/v1/backup.pb.h"
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/model/update.h"
 #include "server/blobs/blob_store.h"
 

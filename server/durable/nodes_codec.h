@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/scene.h"
 #include "server/blobs/blob_store.h"
 #include "sightline/stored/v1/stored.pb.h"

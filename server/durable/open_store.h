@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/store/store.h"
 
 namespace sightline::server::durable {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/scene.h"
 #include "server/blobs/blob_store.h"
 #include "server/durable/nodes_codec.h"

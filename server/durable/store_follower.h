@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/durable/store_keeper.h"
 #include "server/scenes/scene_store.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/exec/caller.h"
 #include "server/exec/memory_account.h"
 #include "server/exec/shares.h"

@@ -10,7 +10,7 @@
 #include <mutex>
 #include <string>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/exec/caller.h"
 #include "server/exec/shares.h"
 

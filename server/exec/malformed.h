@@ -7,7 +7,7 @@
 
 #include <memory>
 
-#include "accel/result.h"
+#include "proto/result.h"
 
 namespace sightline::server::exec {
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "accel/kdtree/tree_memory.h"
-#include "accel/result.h"
+#include "proto/result.h"
 
 namespace sightline::server::exec {
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 
 namespace sightline::server::exec {
 

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/exec/caller.h"
 #include "server/exec/token_bucket.h"
 

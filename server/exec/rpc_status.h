@@ -11,7 +11,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "accel/result.h"
+#include "proto/result.h"
 
 namespace sightline::server::exec {
 

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/exec/admission.h"
 #include "server/exec/call_registry.h"
 #include "server/exec/caller.h"

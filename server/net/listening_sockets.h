@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/net/descriptor.h"
 #include "server/net/listen_address.h"
 

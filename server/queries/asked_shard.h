@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/query/shard_cut.h"
 #include "scenegraph/revision/snapshot.h"
 #include "server/queries/cast_query.h"

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "accel/geometry/ray.h"
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/query/selection.h"
 #include "scenegraph/trace.h"
 #include "server/exec/admission.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "accel/geometry/facing.h"
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/model/node.h"
 #include "scenegraph/trace_options.h"
 #include "sightline/v1/query.pb.h"

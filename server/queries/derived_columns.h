@@ -12,7 +12,7 @@
 #include "accel/geometry/hit_columns.h"
 #include "accel/geometry/ray.h"
 #include "accel/geometry/ray_columns.h"
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/revision/snapshot.h"
 #include "scenegraph/trace.h"
 #include "server/queries/cast_query.h"

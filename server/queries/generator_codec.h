@@ -1,8 +1,8 @@
 // Decodes a generator of rays.
 #pragma once
 
-#include "accel/result.h"
 #include "proto/rays/generator.h"
+#include "proto/result.h"
 #include "sightline/v1/query.pb.h"
 
 namespace sightline::server::queries {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "accel/geometry/ray.h"
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/revision/snapshot.h"
 #include "scenegraph/trace.h"
 #include "server/queries/derived_columns.h"

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "accel/geometry/ray.h"
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/query/build.h"
 #include "server/queries/asked_shard.h"
 #include "server/queries/cast_job.h"

@@ -6,7 +6,7 @@
 
 #include "accel/geometry/ray.h"
 #include "accel/geometry/ray_columns.h"
-#include "accel/result.h"
+#include "proto/result.h"
 #include "sightline/v1/query.pb.h"
 
 namespace sightline::server::queries {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/model/update.h"
 #include "scenegraph/revision/snapshot.h"
 

@@ -5,7 +5,7 @@
 
 #include <chrono>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/exec/rpc_status.h"
 
 namespace sightline::server::scenes {

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/model/node.h"
 #include "scenegraph/scene.h"
 #include "server/scenes/history.h"

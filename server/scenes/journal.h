@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/model/update.h"
 #include "scenegraph/scene.h"
 #include "server/scenes/names.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "sightline/v1/common.pb.h"
 
 namespace sightline::server::scenes {

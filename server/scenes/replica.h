@@ -5,7 +5,7 @@
 #include <chrono>
 #include <cstdint>
 
-#include "accel/result.h"
+#include "proto/result.h"
 
 namespace sightline::server::scenes {
 

@@ -11,7 +11,7 @@
 #include <mutex>
 #include <optional>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/exec/admission.h"
 #include "server/exec/call_registry.h"
 #include "server/exec/executors.h"

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/exec/executors.h"
 #include "server/scenes/idempotency.h"
 #include "server/scenes/journal.h"

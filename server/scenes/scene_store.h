@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/scenes/stored_scene.h"
 
 namespace sightline::server::scenes {

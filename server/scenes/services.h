@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/trace_options.h"
 #include "server/blobs/blob_store.h"
 #include "server/exec/admission.h"

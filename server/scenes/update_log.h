@@ -6,7 +6,7 @@
 #include <mutex>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/model/update.h"
 #include "server/exec/memory_account.h"
 #include "server/scenes/history.h"

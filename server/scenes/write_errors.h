@@ -1,7 +1,7 @@
 // What the error of a write says.
 #pragma once
 
-#include "accel/result.h"
+#include "proto/result.h"
 
 namespace sightline::server::scenes {
 

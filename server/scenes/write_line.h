@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/scenes/journal.h"
 
 namespace sightline::server::scenes {

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/exec/call_context.h"
 #include "server/security/tokens.h"
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "accel/result.h"
+#include "proto/result.h"
 
 namespace sightline::server::security {
 

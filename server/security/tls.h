@@ -8,7 +8,7 @@
 #include <mutex>
 #include <string>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/security/certificates.h"
 
 namespace sightline::server::security {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/exec/principal.h"
 
 namespace sightline::server::security {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/exec/quotas.h"
 #include "server/settings/settings_file.h"
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/shards/peers.h"
 
 namespace sightline::server::shards {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "sightline/v1/query.grpc.pb.h"
 
 namespace sightline::server::shards {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "accel/geometry/ray.h"
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/query/shard_merge.h"
 #include "scenegraph/trace_options.h"
 #include "sightline/v1/query.pb.h"

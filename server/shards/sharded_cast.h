@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "accel/geometry/ray.h"
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/query/shard_merge.h"
 #include "server/shards/peers.h"
 #include "sightline/v1/query.pb.h"

@@ -9,7 +9,7 @@
 #include <mutex>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/shards/peers.h"
 #include "sightline/v1/query.pb.h"
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/blobs/digest.h"
 #include "server/net/descriptor.h"
 #include "server/store/file_system.h"

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/net/descriptor.h"
 #include "server/store/file_system.h"
 #include "server/store/sqlite.h"

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <variant>
 
-#include "accel/result.h"
+#include "proto/result.h"
 
 namespace sightline::server::store {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/store/file_system.h"
 #include "server/store/limits.h"
 

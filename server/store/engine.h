@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/store/database.h"
 #include "server/store/store.h"
 

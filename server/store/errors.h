@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "accel/result.h"
+#include "proto/result.h"
 
 namespace sightline::server::store {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/net/descriptor.h"
 
 namespace sightline::server::store {

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "accel/result.h"
+#include "proto/result.h"
 
 namespace sightline::server::store {
 

@@ -1,7 +1,7 @@
 // Deletes rows that nothing needs any more, step by step.
 #pragma once
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/store/database.h"
 
 namespace sightline::server::store {

@@ -6,7 +6,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/store/database.h"
 
 namespace sightline::server::store {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/store/database.h"
 #include "server/store/store.h"
 

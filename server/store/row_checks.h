@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/store/sqlite.h"
 
 namespace sightline::server::store {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/store/reader.h"
 #include "server/store/store.h"
 #include "server/store/writer.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/store/database.h"
 #include "server/store/store.h"
 

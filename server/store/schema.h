@@ -1,7 +1,7 @@
 // The tables of a store, and their versions.
 #pragma once
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/store/sqlite.h"
 
 namespace sightline::server::store {

@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/blobs/digest.h"
 #include "server/store/database.h"
 #include "server/store/store.h"

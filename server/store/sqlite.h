@@ -8,7 +8,7 @@
 #include <string_view>
 #include <unordered_map>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/store/database.h"
 
 struct sqlite3;

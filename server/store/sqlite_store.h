@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/store/data_directory.h"
 #include "server/store/row_store.h"
 

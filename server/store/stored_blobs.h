@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/blobs/digest.h"
 #include "server/store/blob_files.h"
 #include "server/store/blob_rows.h"

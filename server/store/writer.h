@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/store/engine.h"
 #include "server/store/limits.h"
 

@@ -1,7 +1,7 @@
 // Parts of the mesh that a node carries.
 #pragma once
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/scenes/services.h"
 #include "sightline/v1/scene.pb.h"
 

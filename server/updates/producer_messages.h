@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/model/node.h"
 #include "scenegraph/model/update.h"
 #include "server/blobs/blob_store.h"

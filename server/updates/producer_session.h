@@ -9,7 +9,7 @@
 #include <memory>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/scene.h"
 #include "server/exec/executors.h"
 #include "server/scenes/idempotency.h"

@@ -1,7 +1,7 @@
 // Decodes and encodes scenes.
 #pragma once
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/revision/snapshot.h"
 #include "server/scenes/names.h"
 #include "server/scenes/stored_scene.h"

@@ -21,7 +21,7 @@ accel/lazy                  accel/geometry accel/kdtree accel/blocks accel/wide 
 accel/mesh                  accel/geometry accel/kdtree accel/blocks accel/wide accel/split accel/grow accel/lazy
 accel/published/kd          accel/*
 accel/published/bvh         accel/*
-accel/published             accel/*
+accel/published             accel/* proto/result
 
 scenegraph/model            proto/result accel/geometry accel/kdtree accel/lazy accel/mesh
 scenegraph/hierarchy        scenegraph/model

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "sightline/v1/scene.grpc.pb.h"
 
 namespace sightline::tests {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "tests/bench/verbs/report.h"
 #include "tests/support/large_scene.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/model/update.h"
 #include "tests/support/plain_scene.h"
 #include "tests/support/random.h"

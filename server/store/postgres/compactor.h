@@ -8,7 +8,7 @@
 #include <string>
 #include <thread>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/store/postgres/pool.h"
 
 namespace sightline::server::store::postgres {

@@ -11,7 +11,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/store/database.h"
 #include "server/store/postgres/address.h"
 

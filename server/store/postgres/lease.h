@@ -4,7 +4,7 @@
 #include <chrono>
 #include <string_view>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/store/database.h"
 
 namespace sightline::server::store::postgres {

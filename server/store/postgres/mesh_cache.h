@@ -9,7 +9,7 @@
 #include <mutex>
 #include <span>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/blobs/digest.h"
 #include "server/net/descriptor.h"
 #include "server/store/blob_files.h"

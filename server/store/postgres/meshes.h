@@ -11,7 +11,7 @@
 #include <span>
 #include <string>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/blobs/digest.h"
 #include "server/store/blob_rows.h"
 #include "server/store/postgres/mesh_cache.h"

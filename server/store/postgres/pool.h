@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/store/postgres/connection.h"
 #include "server/store/reader.h"
 

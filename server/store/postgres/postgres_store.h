@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/store/file_system.h"
 #include "server/store/row_store.h"
 

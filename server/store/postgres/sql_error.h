@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "accel/result.h"
+#include "proto/result.h"
 
 namespace sightline::server::store::postgres {
 

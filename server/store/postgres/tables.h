@@ -1,7 +1,7 @@
 // The tables of a store in PostgreSQL, and their versions.
 #pragma once
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "server/store/postgres/connection.h"
 
 namespace sightline::server::store::postgres {

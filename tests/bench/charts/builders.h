@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "tests/bench/charts/configurations.h"
 #include "tests/bench/charts/plan.h"
 #include "tests/bench/charts/scenes.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "tests/bench/scenes/scene_source.h"
 #include "tests/bench/verbs/options.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "tests/bench/verbs/verbs.h"
 
 namespace sightline::bench {

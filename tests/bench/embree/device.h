@@ -9,7 +9,7 @@
 #include <mutex>
 #include <string>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "tests/bench/embree/peer.h"
 
 namespace sightline::bench {

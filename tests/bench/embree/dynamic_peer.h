@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "accel/geometry/ray.h"
-#include "accel/result.h"
+#include "proto/result.h"
 #include "tests/bench/scenes/motion.h"
 #include "tests/bench/scenes/staged_scene.h"
 

@@ -1,7 +1,7 @@
 // A service that answers casts with the bytes that it got: the least that a call can cost.
 #pragma once
 
-#include "accel/result.h"
+#include "proto/result.h"
 
 namespace sightline::bench {
 

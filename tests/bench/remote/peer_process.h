@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "tests/support/child_process.h"
 
 namespace sightline::bench {

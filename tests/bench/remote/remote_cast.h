@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "accel/geometry/ray.h"
-#include "accel/result.h"
 #include "client/cast_options.h"
+#include "proto/result.h"
 #include "tests/bench/remote/remote_rays.h"
 
 namespace sightline::bench {

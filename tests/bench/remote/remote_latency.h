@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "tests/bench/remote/peer_process.h"
 #include "tests/bench/remote/remote_rays.h"
 #include "tests/bench/verbs/report.h"

@@ -1,8 +1,8 @@
 // Uploads a scene of the bench to a server.
 #pragma once
 
-#include "accel/result.h"
 #include "client/client.h"
+#include "proto/result.h"
 #include "tests/bench/scenes/scene_source.h"
 
 namespace sightline::bench {

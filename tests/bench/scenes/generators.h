@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "tests/bench/scenes/scene_source.h"
 
 namespace sightline::bench {

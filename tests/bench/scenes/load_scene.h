@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "tests/bench/scenes/scene_source.h"
 
 namespace sightline::bench {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/model/double_box.h"
 #include "scenegraph/model/update.h"
 #include "tests/bench/scenes/scene_source.h"

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "accel/geometry/ray.h"
-#include "accel/result.h"
+#include "proto/result.h"
 
 namespace sightline::bench {
 

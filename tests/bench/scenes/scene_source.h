@@ -10,7 +10,7 @@
 #include "accel/geometry/triangle_mesh.h"
 #include "accel/mesh/mesh_tree.h"
 #include "accel/published/any_builder.h"
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/model/affine.h"
 #include "scenegraph/revision/snapshot.h"
 #include "scenegraph/scene.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "accel/published/any_builder.h"
-#include "accel/result.h"
+#include "proto/result.h"
 #include "tests/bench/embree/peer.h"
 #include "tests/bench/verbs/options.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "accel/geometry/ray.h"
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/trace.h"
 #include "tests/bench/scenes/staged_scene.h"
 #include "tests/bench/verbs/options.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "accel/geometry/ray.h"
-#include "accel/result.h"
+#include "proto/result.h"
 #include "tests/bench/scenes/scene_source.h"
 
 namespace sightline::bench {

@@ -9,7 +9,7 @@
 
 #include "accel/geometry/ray.h"
 #include "accel/published/any_builder.h"
-#include "accel/result.h"
+#include "proto/result.h"
 #include "tests/bench/scenes/scene_source.h"
 
 namespace sightline::bench {

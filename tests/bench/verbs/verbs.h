@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "tests/bench/verbs/options.h"
 #include "tests/bench/verbs/report.h"
 

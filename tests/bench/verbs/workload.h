@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "accel/result.h"
+#include "proto/result.h"
 #include "scenegraph/trace.h"
 #include "tests/bench/scenes/scene_source.h"
 #include "tests/bench/verbs/options.h"
