@@ -19,6 +19,11 @@ except ImportError:
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
+def files_below(folder):
+    """Relative paths, without what an interpreter leaves behind that imports the package."""
+    return {file.relative_to(folder) for file in folder.rglob("*") if file.is_file() and file.parent.name != "__pycache__"}
+
+
 class PackageTest(unittest.TestCase):
     def test_it_has_descriptors_types_and_a_version_and_no_generated_code(self):
         folder = pathlib.Path(sightline.__file__).parent
@@ -41,8 +46,8 @@ class PackageTest(unittest.TestCase):
             self.set_up(folder / name, "build", "--build-lib", folder / "lib")
             built = folder / "lib/sightline"
             used = pathlib.Path(sightline.__file__).parent
-            files = {file.relative_to(used) for file in used.rglob("*") if file.is_file()}
-            self.assertEqual({file.relative_to(built) for file in built.rglob("*") if file.is_file()}, files)
+            files = files_below(used)
+            self.assertEqual(files_below(built), files)
             for file in files:
                 self.assertEqual((built / file).read_bytes(), (used / file).read_bytes(), file)
 
