@@ -36,6 +36,7 @@ open_root() {
   rm -rf --one-file-system "$root"
   cp -a "$scratch/bare" "$root"
   cp /etc/resolv.conf "$root/etc/resolv.conf"
+  mount --bind "$root" "$root"  # unshare takes only what is mounted for the root of its namespaces
   mount -t proc proc "$root/proc"
   mount -t sysfs -o ro sysfs "$root/sys"
   mount --rbind /dev "$root/dev"
@@ -46,8 +47,7 @@ open_root() {
 # close_root NAME: removes it.
 close_root() {
   local root="$scratch/roots/$1"
-  umount --lazy "$root/proc" "$root/sys" "$root/var/cache/apt/archives"
-  umount --lazy --recursive "$root/dev"
+  umount --lazy --recursive "$root"
   rm -rf --one-file-system "$root"
 }
 
