@@ -143,10 +143,10 @@ def main():
     try:
         import google.protobuf  # noqa: F401
     except ImportError as missing:
-        print(missing)
+        print(f"skipped: {missing}")
         sys.exit(77)
     if shutil.which("protoc") is None:
-        print("protoc is missing")
+        print("skipped: protoc is missing")
         sys.exit(77)
     made = page()
     if not sys.argv[1:]:

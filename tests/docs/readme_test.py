@@ -57,7 +57,7 @@ def main():
     sightlined, sightline, first_query, package = (pathlib.Path(name).resolve() for name in sys.argv[1:])
     model = re.search(r"/usr/share/\S+", section())[0]
     if not os.path.exists(model):
-        print(f"{model} is missing")
+        print(f"skipped: {model} is missing")
         sys.exit(77)
     with tempfile.TemporaryDirectory() as folder:
         # A server of the test's own, at a socket instead of the default port, which another one may have.

@@ -111,8 +111,6 @@ def main():
     update = sys.argv[3:] == ["--update"]
     if len(sys.argv) != 3 and not update:
         sys.exit(__doc__)
-    if not shutil.which("bash"):
-        sys.exit(77)
     programs = {pathlib.Path(name).resolve().parent for name in sys.argv[1:3]}
     os.environ["PATH"] = os.pathsep.join([*map(str, programs), os.environ["PATH"]])
     for variable in ("SIGHTLINE_TOKEN", "SIGHTLINE_ENDPOINT"):

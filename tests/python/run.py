@@ -17,13 +17,13 @@ HERE = pathlib.Path(__file__).resolve().parent
 
 
 def is_complete():
-    """Whether this interpreter has what the package needs."""
+    """Whether this interpreter has what the package needs; says what it lacks."""
     try:
         import google.protobuf
         import grpc
         import numpy
     except ImportError as missing:
-        print(missing)
+        print(f"skipped: {missing}")
         return False
     return bool(grpc.__name__ and google.protobuf.__name__ and numpy.__name__)
 
@@ -40,7 +40,7 @@ def main():
         # The distribution's interpreter sees its packages, which another one first in PATH does not.
         if os.path.exists(SYSTEM_PYTHON) and os.path.realpath(sys.executable) != os.path.realpath(SYSTEM_PYTHON):
             os.execv(SYSTEM_PYTHON, [SYSTEM_PYTHON, *sys.argv])
-        print(f"skipped: {count_tests()} tests")
+        print(f"{count_tests()} tests are not run")
         sys.exit(77)
     os.environ["SIGHTLINED"] = os.path.abspath(sys.argv[1])
     os.environ["PYTHONPATH"] = os.path.abspath(sys.argv[2])  # of processes that tests start

@@ -138,7 +138,7 @@ bool stop_one_of_four(mesh::MeshTree& tree, const std::vector<geometry::Ray>& ra
 }
 
 TEST(Suspended, OtherThreadsDoNotWait) {
-  if (!kKnowsProgramCounter) GTEST_SKIP() << "on this processor";
+  if (!kKnowsProgramCounter) GTEST_SKIP() << "the program counter of a stopped thread is not known";
   ASSERT_EQ(pipe(resume_pipe), 0);
   struct sigaction action {};
   action.sa_sigaction = suspend;
