@@ -71,9 +71,9 @@ def _is_in(path, room):
     return path.resolve().is_relative_to(TESTS / room)
 
 
-def _shown(build):
-    """All tests, in the order of their numbers, and the files that add them by those that googletest does not."""
-    shown = json.loads(subprocess.run(["ctest", "--test-dir", build, "--show-only=json-v1"], check=True,
+def _shown(build, options=()):
+    """All tests that ctest's options leave: numbers, commands, and the files that add them, but for googletest's."""
+    shown = json.loads(subprocess.run(["ctest", "--test-dir", build, "--show-only=json-v1", *options], check=True,
                                       capture_output=True, text=True).stdout)
     graph = shown["backtraceGraph"]
     for number, test in enumerate(shown["tests"], 1):
@@ -106,20 +106,21 @@ def _filter_of(command):
                  if argument.startswith("--gtest_filter=")), None)
 
 
-def _tests_in(program, room):
-    """Names, as a filter writes them, of a program's tests that files of the room define."""
+def _tests_in(build, program, room):
+    """Names, as a filter writes them, of a program's tests that files of the room define. A compiler that ccache calls may know files
+    by paths from the build directory."""
     with tempfile.TemporaryDirectory() as folder:
         listed = pathlib.Path(folder) / "tests.json"
         subprocess.run([program, "--gtest_list_tests", f"--gtest_output=json:{listed}"], check=True, stdout=subprocess.DEVNULL)
         return {f"{suite['name']}.{test['name']}" for suite in json.loads(listed.read_text())["testsuites"]
-                for test in suite["testsuite"] if _is_in(pathlib.Path(test["file"]), room)}
+                for test in suite["testsuite"] if _is_in(build / test["file"], room)}
 
 
-def numbers(build, room):
-    """The numbers of the room's tests, in programs that are built."""
-    names = {str(program.path): _tests_in(program.path, room) for program in _programs(build)
+def numbers(build, room, options=()):
+    """The room's tests, in programs that are built: their numbers among those that ctest's options leave, as -I counts them."""
+    names = {str(program.path): _tests_in(build, program.path, room) for program in _programs(build)
              if program.path.exists() and _has_test_in(program, room)}
-    return [number for number, command, added_by in _shown(build)
+    return [number for number, command, added_by in _shown(build, options)
             if (added_by is not None and _is_in(added_by, room)) or
             (command and _filter_of(command) in names.get(command[0], ()))]
 

@@ -39,6 +39,8 @@ class Rooms(unittest.TestCase):
                  if not name.endswith("_NOT_BUILT")]
         found = sorted(number for room in rooms.rooms() if "/" not in room for number in rooms.numbers(BUILD, room))
         self.assertEqual(found, there)
+        fast = rooms.numbers(BUILD, "accel", ["-LE", "slow"])
+        self.assertEqual(fast, list(range(fast[0], fast[0] + len(fast))), "one after another, as they are added")
         for room in ("accel/lazy", "fuzz/verdict"):
             inside, all_of_it = (set(rooms.numbers(BUILD, name)) for name in (room, room.split("/")[0]))
             self.assertLessEqual(inside, all_of_it, room)
