@@ -47,7 +47,7 @@ struct BasicHitColumns {
   Span<std::uint64_t> node{};       ///< (n) 0: a miss
   Span<std::uint32_t> primitive{};  ///< (n) the face of the node's mesh
   Span<float> barycentric{};        ///< (n, 2) weights of vertices 1 and 2
-  Span<float> normal{};             ///< (n, 3) geometric unit normal by winding, in world space
+  Span<float> normal{};             ///< (n, 3) unit normal on the front, in world space
   Span<std::uint8_t> hit{};         ///< (n) 0 miss, 1 hit, 2 bad ray, kUnanswered
   Span<std::uint32_t> work{};       ///< (n) steps plus triangle tests, combined with kSawDeferred
   Span<std::uint32_t> count{};  ///< (n) distinct hits; kInvalidCount: a bad ray; kUnansweredCount
@@ -105,7 +105,7 @@ enum class QueryKind : std::uint8_t {
 };
 
 /// Which hits a cast ignores, whatever its kind. The front of a triangle is the side that shows its
-/// vertices counterclockwise in scene coordinates.
+/// vertices counterclockwise in the mesh's own frame: a mirrored node keeps its outside.
 enum class Culling : std::uint8_t { kNone, kBack, kFront };
 
 /// How much of the trees a cast may build.

@@ -41,8 +41,8 @@ struct TraceOptions {
   Growth growth = Growth::kFirstTouch;
   /// Whether barycentrics and normals are computed.
   bool surface = true;
-  /// By the winding in scene coordinates, like normals: a mirrored instance reverses its mesh's
-  /// windings. Culled hits do not exist for any kind.
+  /// By the winding in the mesh's own frame, like normals: a mirrored instance keeps its outside.
+  /// Culled hits do not exist for any kind.
   accel::geometry::Culling culling = accel::geometry::Culling::kNone;
   /// The nodes that rays see, from the traced snapshot; null: all. Must outlive the batch.
   const query::Selection* selection = nullptr;

@@ -10,12 +10,6 @@ namespace sightline::accel::geometry {
 /// Which side of triangles a query ignores. Seen from the front, the corners run counterclockwise.
 enum class Culling : std::uint8_t { kNone, kBack, kFront };
 
-/// Exchanges kBack and kFront, for a mirrored frame.
-constexpr Culling turned(Culling culling) {
-  if (culling == Culling::kNone) return culling;
-  return culling == Culling::kBack ? Culling::kFront : Culling::kBack;
-}
-
 /// The exact sign of N . d with N = (b - a) x (c - a): -1 where the ray meets the front, 1 where it
 /// meets the back, 0 where it runs edge-on (never the case for a hit). Vertices must be finite.
 int facing(const LocalRay& ray, const Vec3f& a, const Vec3f& b, const Vec3f& c);

@@ -32,7 +32,7 @@ struct Hit {
   std::uint32_t primitive = 0;  ///< Face index in the node's mesh.
   float u = 0;                  ///< Weight of the face's vertex 1.
   float v = 0;                  ///< Weight of the face's vertex 2.
-  Vec3f normal;                 ///< Geometric, unit, by winding, in scene coordinates.
+  Vec3f normal;  ///< Geometric, unit, by the winding in the mesh's frame, in scene coordinates.
   std::uint32_t work =
       0;  ///< Traversal steps plus triangle tests spent on this ray; see kWorkDeferred.
   HitState state = HitState::kMiss;

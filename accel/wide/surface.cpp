@@ -64,8 +64,7 @@ HWY_INLINE std::uint32_t set_weights(const Rays& rays, const BestHits& hits,
   return abs(sum) <= Doubles::set(geometry::kEdgeOn) * size * size;
 }
 
-HWY_INLINE void set_normals(const HitTriangles& triangles, const Matrix& m, bool mirrored,
-                            Surfaces& out) {
+HWY_INLINE void set_normals(const HitTriangles& triangles, const Matrix& m, Surfaces& out) {
   const Vectors a = load(triangles.a);
   const Vectors n = cross(minus(load(triangles.b), a), minus(load(triangles.c), a));
   const auto set = [&](std::size_t i) { return Doubles::set(m[i]); };
@@ -75,16 +74,15 @@ HWY_INLINE void set_normals(const HitTriangles& triangles, const Matrix& m, bool
   const Vectors normal{transposed(0), transposed(1), transposed(2)};
   const Doubles squared = dot(normal, normal);
   const Doubles length = Doubles::each([&](std::size_t i) { return hn::Sqrt(squared.v[i]); });
-  const Doubles zero = Doubles::set(0), size = mirrored ? zero - length : length;
-  const Doubles per = Doubles::set(1) / size;
+  const Doubles per = Doubles::set(1) / length;
   for (std::size_t axis = 0; axis < 3; ++axis) store_floats(normal[axis] * per, out.normal[axis]);
-  out.no_normal =
-      ~((length > zero) & (length < Doubles::set(std::numeric_limits<double>::infinity())));
+  out.no_normal = ~((length > Doubles::set(0)) &
+                    (length < Doubles::set(std::numeric_limits<double>::infinity())));
 }
 
 std::uint32_t set_surfaces(const Rays& rays, const BestHits& hits, const HitTriangles& triangles,
-                           const Matrix& matrix, bool mirrored, Surfaces& out) {
-  set_normals(triangles, matrix, mirrored, out);
+                           const Matrix& matrix, Surfaces& out) {
+  set_normals(triangles, matrix, out);
   return set_weights(rays, hits, triangles, out);
 }
 
@@ -123,7 +121,7 @@ geometry::Vec3f vertex(const std::array<Column<double>, 3>& columns, std::size_t
 }  // namespace
 
 void find_surfaces(const GivenRays& given, const BestHits& hits, const Matrix& matrix,
-                   bool mirrored, std::uint32_t lanes, Surfaces& out) {
+                   std::uint32_t lanes, Surfaces& out) {
   Rays rays;
   carry(given, matrix, lanes, rays);
   HitTriangles triangles;
@@ -131,7 +129,7 @@ void find_surfaces(const GivenRays& given, const BestHits& hits, const Matrix& m
   for (std::size_t lane = 0; lane < kLanes; ++lane)
     read_corners(hits, (lanes >> lane & 1) != 0 ? lane : first, lane, triangles);
   std::uint32_t lost =
-      lanes & HWY_DYNAMIC_DISPATCH(set_surfaces)(rays, hits, triangles, matrix, mirrored, out);
+      lanes & HWY_DYNAMIC_DISPATCH(set_surfaces)(rays, hits, triangles, matrix, out);
   for (; lost != 0; lost &= lost - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(lost));
     const geometry::LocalRay ray{

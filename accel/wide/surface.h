@@ -16,9 +16,9 @@ struct Surfaces {
 };
 
 /// Sets weights and normals for hits in `lanes`, all in one instance and with blocks. `matrix`
-/// leads into the instance's frame, which `mirrored` says reverses windings. The numbers are those
-/// of geometry::barycentric, and of one hit at a time, bit for bit.
+/// leads into the instance's frame. The numbers are those of geometry::barycentric, and of one hit
+/// at a time, bit for bit.
 void find_surfaces(const GivenRays& given, const BestHits& hits, const Matrix& matrix,
-                   bool mirrored, std::uint32_t lanes, Surfaces& out);
+                   std::uint32_t lanes, Surfaces& out);
 
 }  // namespace sightline::accel::wide

@@ -169,7 +169,6 @@ class SliceBuilder {
       return;
     }
     instance.local_from_world = *local_from_world;
-    instance.mirrored = mirrors(world);
     instance.mask = node.mask;
     instance.box = confined(
         instance_box(world, *local_from_world, node.mesh->bounds(), view_.center()), group_.box);

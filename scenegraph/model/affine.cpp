@@ -41,11 +41,6 @@ std::optional<Affine> inverse(const Affine& a) {
   return r;
 }
 
-bool mirrors(const Affine& a) {
-  const auto& m = a.m;
-  return dot(Vec3d{m[0], m[1], m[2]}, cross(Vec3d{m[4], m[5], m[6]}, Vec3d{m[8], m[9], m[10]})) < 0;
-}
-
 double condition(const Affine& a, const Affine& inverse_of_a) {
   const auto norm = [](const Affine& x) {
     double sum = 0;

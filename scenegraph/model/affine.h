@@ -41,9 +41,6 @@ std::optional<Affine> inverse(const Affine& a);
 
 inline constexpr double kMaxCondition = 1e12;
 
-/// Whether the determinant is negative.
-bool mirrors(const Affine& a);
-
 /// |A| |A^-1| in the Frobenius norm of the linear parts.
 double condition(const Affine& a, const Affine& inverse_of_a);
 

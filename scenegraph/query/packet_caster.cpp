@@ -38,6 +38,7 @@ PacketCaster::PacketCaster(accel::kdtree::EpochPin& pin, const instances::OpenTr
     packet->best = &best_;
     packet->any = kind == QueryKind::kAny;
   }
+  mesh_.culling = options.culling;
 }
 
 void PacketCaster::read_masks() {
@@ -154,9 +155,8 @@ void PacketCaster::enter(const instances::Instance& instance, std::uint32_t inde
     instance.entered->store(true, std::memory_order_relaxed);
   mesh_.node = instance.node;
   mesh_.instance = index;
-  mesh_.culling = instance.mirrored ? turned(options_.culling) : options_.culling;
-  model::Mesh::OwnedTree& mesh = instance.mesh->owned_tree();
-  const accel::lazy::OwnedTree owned(lazy_, mesh);
+  const model::Mesh::OwnedTree mesh = instance.mesh->owned_tree();
+  const accel::lazy::OwnedTree owned(lazy_, mesh.owner);
   mesh.tree.query(
       mesh_, lanes,
       {lazy_, saw_deferred_, counters_.walked, built, std::span(sinks_).first(collected_.size())});

@@ -51,8 +51,7 @@ void write_surfaces(const CastPacket& packet, const instances::OpenTrees& trees,
     std::uint32_t same = in_one_instance(best, left, lane);
     left &= ~same;
     accel::wide::Surfaces surfaces;
-    accel::wide::find_surfaces(packet.given, best, instance.local_from_world.m, instance.mirrored,
-                               same, surfaces);
+    accel::wide::find_surfaces(packet.given, best, instance.local_from_world.m, same, surfaces);
     for (; same != 0; same &= same - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(same));
       Hit hit;

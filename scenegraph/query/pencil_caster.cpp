@@ -63,7 +63,7 @@ PencilCaster::PencilCaster(accel::kdtree::EpochPin& pin, const instances::OpenTr
     packet.any = options.kind == QueryKind::kAny;
     packet.node = only_->node;
     packet.instance = 0;
-    packet.culling = only_->mirrored ? turned(options.culling) : options.culling;
+    packet.culling = options.culling;
   }
 }
 

@@ -48,6 +48,7 @@ void RayCaster::begin(QueryKind kind, const Ray& ray, accel::lazy::WhenPending w
   query_.tmin = ray.tmin;
   query_.tmax = ray.tmax;
   query_.any = kind == QueryKind::kAny;
+  query_.culling = options_.culling;
   static_cast<accel::mesh::HitSinks&>(query_) = collected_.begin(kind);
   frame_ = nullptr;
   work_before_ = counters_.walked.steps + counters_.walked.tests;
@@ -111,9 +112,8 @@ void RayCaster::ask_mesh(const instances::Instance& instance, TreeEntry& tree) {
     instance.entered->store(true, std::memory_order_relaxed);
   query_.node = instance.node;
   query_.instance = tree.first + instance.index;
-  query_.culling = instance.mirrored ? turned(options_.culling) : options_.culling;
-  model::Mesh::OwnedTree& mesh = instance.mesh->owned_tree();
-  const accel::lazy::OwnedTree owned(query_, mesh);
+  const model::Mesh::OwnedTree mesh = instance.mesh->owned_tree();
+  const accel::lazy::OwnedTree owned(query_, mesh.owner);
   mesh.tree.query(query_, counters_.walked, *tree.built);
   if (query_.primitives != nullptr && query_.found) collected_.end_mesh();
 }

@@ -20,11 +20,11 @@ void set_surface(const instances::Instance& instance, const accel::geometry::Ray
       accel::geometry::barycentric(*local, hit.t / local->unit, a, b, c);
   hit.u = static_cast<float>(weights.u);
   hit.v = static_cast<float>(weights.v);
-  // The inverse transpose keeps the normal on its side of the surface; the winding changes sides
-  // where space is mirrored.
+  // The inverse transpose keeps the normal on its side of the surface, also where space is
+  // mirrored.
   const Vec3d normal = instance.local_from_world.transposed(
       accel::geometry::cross(Vec3d(b) - Vec3d(a), Vec3d(c) - Vec3d(a)));
-  const double size = instance.mirrored ? -length(normal) : length(normal);
+  const double size = length(normal);
   if (size != 0 && std::isfinite(size)) hit.normal = Vec3f(normal * (1 / size));
 }
 

@@ -37,6 +37,14 @@ scenegraph::model::Affine compose_in_double(const scenegraph::model::Affine& out
   return product;
 }
 
+QuadVec row(const scenegraph::model::Affine& a, std::size_t first) {
+  return widen({a.m[first], a.m[first + 1], a.m[first + 2]});
+}
+
+Quad determinant(const scenegraph::model::Affine& a) {
+  return dot(row(a, 0), cross(row(a, 4), row(a, 8)));
+}
+
 void collect_subtree(const scenegraph::revision::Snapshot& snapshot, scenegraph::model::NodeId id,
                      const scenegraph::model::Affine& world_from_parent,
                      std::vector<PlacedMesh>& placed) {
@@ -135,7 +143,7 @@ BruteForce::BruteForce(std::shared_ptr<const scenegraph::revision::Snapshot> sna
 BruteForce::Instance BruteForce::make_instance(const PlacedMesh& placed) {
   constexpr double kInf = std::numeric_limits<double>::infinity();
   const Box nothing{{kInf, kInf, kInf}, {-kInf, -kInf, -kInf}};
-  Instance instance{placed, nothing, 0, {}};
+  Instance instance{placed, nothing, 0, determinant(placed.world_from_local) < 0, {}};
   const accel::geometry::MeshView& mesh = placed.mesh;
 
   std::vector<std::uint32_t> faces;
@@ -236,6 +244,10 @@ void BruteForce::test_chunk(const Instance& instance, const Chunk& chunk, const 
     }
     auto candidate = test_triangle(line.ray, corners, scale, tolerance_);
     if (!candidate) continue;
+    if (instance.is_mirrored) {
+      candidate->normal = candidate->normal * -1.0;
+      candidate->side = -candidate->side;
+    }
     candidate->node = placed.node;
     candidate->primitive = chunk.face[i];
     found.push_back(*candidate);

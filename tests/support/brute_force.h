@@ -65,7 +65,8 @@ class BruteForce {
   struct Instance {
     PlacedMesh placed;
     Box box;
-    double magnitude = 0;  // Bounds all world coordinates and the terms of their sums
+    double magnitude = 0;      // Bounds all world coordinates and the terms of their sums
+    bool is_mirrored = false;  // The outside of the mesh is the inside by the winding in the world
     std::vector<Chunk> chunks;
   };
 

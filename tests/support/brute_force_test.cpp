@@ -128,7 +128,8 @@ TEST(BruteForce, TransformsMeshes) {
   ASSERT_NE(hit.closest(), nullptr);
   EXPECT_DOUBLE_EQ(hit.closest()->t, 5);
   EXPECT_DOUBLE_EQ(hit.closest()->u, 0.25);
-  EXPECT_DOUBLE_EQ(hit.closest()->normal.z, 1) << "follows the winding of the mirrored corners";
+  EXPECT_DOUBLE_EQ(hit.closest()->normal.z, -1) << "stays on the side of the mesh's front";
+  EXPECT_EQ(hit.closest()->side, 1) << "which is mirrored away from the ray";
 }
 
 TEST(BruteForce, MasksHideInstances) {

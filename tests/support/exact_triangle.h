@@ -9,7 +9,8 @@
 
 namespace sightline::tests {
 
-/// The candidate of the triangle (in world space) for the ray, without node and primitive. `scale`
+/// The candidate of the triangle (in world space) for the ray, without node and primitive; its
+/// normal and side are those of the winding in the world. `scale`
 /// is the largest coordinate involved. Nothing if the ray misses by more than the tolerance.
 std::optional<Candidate> test_triangle(const accel::geometry::Ray& ray,
                                        const std::array<QuadVec, 3>& corners, double scale,

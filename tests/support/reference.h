@@ -28,7 +28,7 @@ struct Candidate {
   std::uint64_t node = 0;
   std::uint32_t primitive = 0;
   double u = 0, v = 0;            ///< Weights of the face's vertices 1 and 2.
-  accel::geometry::Vec3d normal;  ///< Geometric, unit length, by the winding in scene coordinates.
+  accel::geometry::Vec3d normal;  ///< Geometric, unit length, on the side of the mesh's front.
   int side = 0;           ///< -1: the ray meets the front, 1: the back, 0: rounding decides.
   bool accepted = false;  ///< In the closed triangle, with tmin <= t <= tmax.
   bool borderline =

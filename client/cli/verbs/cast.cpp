@@ -183,7 +183,8 @@ Examples:
 // Options that hide hits from the rays.
 void add_filters(CLI::App& verb, CastArguments& arguments) {
   verb.add_option("--cull", arguments.cull,
-                  "Hits that do not count: on backs or on fronts, by winding (default: none)")
+                  "Hits that do not count: on backs or on fronts, by the winding in the mesh "
+                  "(default: none)")
       ->check(CLI::IsMember(kCullings).description(""))
       ->type_name("back|front");
   verb.add_option("--under", arguments.under, "Only this node and those under it are seen")

@@ -115,7 +115,7 @@ input, six numbers each: origin and direction, of any length. A record goes out 
 Letters of -o, in the order in which they are given:
   o d  origin and direction, of unit length
   p    point that is hit
-  n N  unit normal, by the winding of the face
+  n N  unit normal, by the winding of the face in its mesh
   l L  distance, in units of the scene
   s    name of the node
 Text has a tab after each value and a record a line; binary has the byte order of this machine. A ray that hits nothing

@@ -60,7 +60,8 @@ class _Answer:
 
     @property
     def normal(self) -> np.ndarray:
-        """float32 (..., 3): the face's unit normal by winding, in scene coordinates; 0 where nothing is hit."""
+        """float32 (..., 3): the face's unit normal in scene coordinates, on the side that shows its corners
+        counterclockwise in the mesh's own frame, so that a mirrored node's stay outside; 0 where nothing is hit."""
         return self._shaped(self._column("normal"))
 
     def _ends(self, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:

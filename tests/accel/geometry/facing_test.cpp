@@ -48,7 +48,7 @@ TEST(Facing, IsNeverEdgeOnForAHit) {
     EXPECT_NE(side, 0);
     EXPECT_EQ(facing(*ray, b, a, c), -side);
     EXPECT_EQ(is_culled(Culling::kBack, *ray, a, b, c), side == 1);
-    EXPECT_EQ(is_culled(turned(Culling::kBack), *ray, a, b, c), side == -1);
+    EXPECT_EQ(is_culled(Culling::kFront, *ray, a, b, c), side == -1);
     EXPECT_FALSE(is_culled(Culling::kNone, *ray, a, b, c));
   }
   EXPECT_GT(hits, 500);

@@ -30,7 +30,6 @@ INSTANTIATE_TEST_SUITE_P(Every, Surface, tests::every_simd_target(), tests::simd
 /// Leads from the world to the mesh.
 struct Transform {
   Matrix matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
-  bool mirrored = false;
   /// The linear part of the way back, exact: ways there are products of integers and powers of two.
   Matrix back = matrix;
 
@@ -58,13 +57,11 @@ struct Transform {
 std::vector<Transform> transforms() {
   const double small = 0x1p-40, large = 0x1p+40;
   return {{},
-          {{-1, 0, 0, 3, 0, 1, 0, 4, 0, 0, 1, 5}, true, {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}},
-          {{1, 2, 0, 0.5, 0, 1, 4, 0, 0, 0, 1, -7}, false, {1, -2, 8, 0, 0, 1, -4, 0, 0, 0, 1, 0}},
+          {{-1, 0, 0, 3, 0, 1, 0, 4, 0, 0, 1, 5}, {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}},
+          {{1, 2, 0, 0.5, 0, 1, 4, 0, 0, 0, 1, -7}, {1, -2, 8, 0, 0, 1, -4, 0, 0, 0, 1, 0}},
           {{0, small, 0, 0, 0, 0, small, 0, small, 0, 0, 0},
-           false,
            {0, 0, large, 0, large, 0, 0, 0, 0, large, 0, 0}},
           {{large, 0, 0, 1e6, 0, 0, 1, 0, 0, small, 0, 0},
-           true,
            {small, 0, 0, 0, 0, 0, large, 0, 0, 1, 0, 0}}};
 }
 
@@ -134,7 +131,7 @@ void expect_equal(const Ray& ray, const Transform& transform, double t,
   ASSERT_EQ(bits(surfaces.u[lane]), bits(static_cast<float>(weights.u)));
   ASSERT_EQ(bits(surfaces.v[lane]), bits(static_cast<float>(weights.v)));
   const Vec3d normal = transform.transposed(cross(Vec3d(b) - Vec3d(a), Vec3d(c) - Vec3d(a)));
-  const double size = transform.mirrored ? -length(normal) : length(normal);
+  const double size = length(normal);
   const bool has_normal = size != 0 && std::isfinite(size);
   ASSERT_EQ((surfaces.no_normal >> lane & 1) == 0, has_normal);
   if (!has_normal) return;
@@ -180,7 +177,7 @@ TEST_P(Surface, EveryHitEqualsASingleOne) {
         }
         if (best->found == 0) continue;
         read(part, *given);
-        find_surfaces(*given, *best, transform.matrix, transform.mirrored, best->found, *surfaces);
+        find_surfaces(*given, *best, transform.matrix, best->found, *surfaces);
         for (std::size_t lane = 0; lane < part.size(); ++lane) {
           if ((best->found >> lane & 1) == 0) continue;
           ++found;
@@ -207,7 +204,7 @@ TEST_P(Surface, WithoutANormalThereIsNone) {
   read(std::span(&ray, 1), *given);
   for (const double scale : {0.0, 0x1p-600, 1.0, 0x1p+600}) {
     const Matrix matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, scale, 0};
-    find_surfaces(*given, best, matrix, false, 1, *surfaces);
+    find_surfaces(*given, best, matrix, 1, *surfaces);
     EXPECT_EQ(surfaces->no_normal & 1, scale == 1 ? 0u : 1u);
   }
 }

@@ -87,7 +87,6 @@ TEST(Instances, HaveTheTransformsOfTheHierarchy) {
       const model::Node& node = *snapshot->find(instance.node);
       const model::Affine world = world_from_local(snapshot->hierarchy(), node);
       ASSERT_EQ(instance.local_from_world, *inverse(world));
-      EXPECT_EQ(instance.mirrored, mirrors(world));
       EXPECT_EQ(instance.mesh, node.mesh.get());
       EXPECT_EQ(instance.mask, node.mask);
       EXPECT_EQ(instance.entered, node.entered.get());
