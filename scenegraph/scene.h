@@ -48,8 +48,8 @@ struct ApplyOptions {
 struct SceneContent {
   std::uint64_t revision = 0;
   model::NodeId next_id = 1;
-  /// Each after its parent; children of one parent in their order. `children` and `entered` are
-  /// not used.
+  /// Each after its parent; children of one parent in their order. `children`, `entered` and
+  /// `is_flat` are not used.
   std::vector<model::Node> nodes;
 };
 
@@ -76,8 +76,8 @@ class Scene {
   /// Applies the whole batch to the head, or leaves the scene as it was. Threads: any; one writer
   /// at a time. Where there are revisions that wait for publish_next(), `publish` must be false.
   /// Errors name the update's index in the batch: kNotFound (unknown node or parent),
-  /// kInvalidArgument (cycle, singular or non-finite matrix, name too long, depth over kMaxDepth,
-  /// counts that disagree), kFailedPrecondition (delete of a node with children), kCancelled, and
+  /// kInvalidArgument (cycle, non-finite matrix, name too long, depth over kMaxDepth, counts that
+  /// disagree), kFailedPrecondition (delete of a node with children), kCancelled, and
   /// those of the charge.
   Result<Applied> apply(const std::vector<model::Update>& updates,
                         const ApplyOptions& options = {});

@@ -7,12 +7,9 @@
 
 namespace sightline::client::calls {
 
-/// Transforms with a larger condition number are refused: a ray would lose all precision in them.
-inline constexpr double kMaxCondition = 1e12;
-
 /// Whether the server will accept the scene. Errors, naming the node or mesh, the value and the
-/// limit: kInvalidArgument (singular or nearly singular transform, hierarchy too deep),
-/// kResourceExhausted (mesh too big).
+/// limit: kInvalidArgument (transform that is not finite, hierarchy too deep), kResourceExhausted
+/// (mesh too big).
 Status check_scene(const importer::ImportedScene& scene, const ServerInfo& limits);
 
 }  // namespace sightline::client::calls

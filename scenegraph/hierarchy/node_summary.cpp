@@ -13,8 +13,6 @@ namespace sightline::scenegraph::hierarchy {
 namespace {
 
 constexpr std::uint32_t kEntryCost = 4;
-/// Stands for the logarithm of a value that is not positive and finite.
-constexpr std::int32_t kHuge = 4096;
 
 /// Upper bound of the largest singular value: the eigenvalues of A^T A are at most its largest row
 /// sum. Exact for rotations with uniform scaling.
@@ -31,10 +29,51 @@ double spectral_bound(const model::Affine& a) {
 
 /// The exponent of the least power of two that is at least kRoundUp * x.
 std::int32_t log_ceiling(double x) {
-  if (!(x > 0) || !std::isfinite(x)) return kHuge;
   int exponent = 0;
   const double fraction = std::frexp(x * kRoundUp, &exponent);
   return fraction == 0.5 ? exponent - 1 : exponent;
+}
+
+/// For bounds that few roundings have made.
+constexpr double kRoundedUp = 1 + 0x1p-49;
+
+/// NodeSummary::reach in the frame that `a` maps to.
+double mapped_reach(const model::Affine& a, double reach) {
+  return (spectral_bound(a) * reach + std::hypot(a.m[3], a.m[7], a.m[11])) * kRoundedUp;
+}
+
+/// Row by row, which is finer where axes differ. But rotations one above the other increase that
+/// without limit, and the reach not at all: no term exceeds three times the reach, because the
+/// magnitudes of a matrix have at most sqrt(3) times its norm, and two such factors meet in a term.
+accel::geometry::Vec3d magnitude_within(double reach, const model::Affine& a,
+                                        const accel::geometry::Vec3d& magnitude) {
+  const double most = 3 * reach;
+  accel::geometry::Vec3d r;
+  for (std::size_t row = 0; row < 3; ++row) {
+    const double* m = &a.m[4 * row];
+    const double sum = std::fabs(m[0]) * magnitude.x + std::fabs(m[1]) * magnitude.y +
+                       std::fabs(m[2]) * magnitude.z + std::fabs(m[3]);
+    r[row] = sum < most ? sum : most;  // not the sum if that is NaN
+  }
+  return r;
+}
+
+/// To the frame above.
+void map_extremes(const model::Affine& a, NodeSummary& part) {
+  part.reach = mapped_reach(a, part.reach);
+  part.magnitude = magnitude_within(part.reach, a, part.magnitude);
+  part.box = mapped(a, part.box);
+  for (std::size_t row = 0; row < 3; ++row) {
+    // Four roundings of terms within magnitude, or within three times that where the reach is less.
+    const double off = part.magnitude[row] * 0x1p-49;
+    // Boxes of boxes grow with every rotation; coordinates do not exceed their magnitude. The
+    // share is far more than what roundings over all levels have taken off.
+    const double most = part.magnitude[row] * (1 + 0x1p-36);
+    part.box.lo[row] = std::max(part.box.lo[row] - off, -most);
+    part.box.hi[row] = std::min(part.box.hi[row] + off, most);
+  }
+  const std::optional<model::Affine> back = inverse(a);
+  part.log2_condition += log2_condition_bound(a, *back);
 }
 
 /// Replaces `before` by `after` (null: none) in a maximum or minimum that `count` parts reach.
@@ -66,18 +105,13 @@ std::uint32_t entry_cost(const model::Mesh& mesh) {
   return kEntryCost + static_cast<std::uint32_t>(std::bit_width(mesh.triangles()));
 }
 
-accel::geometry::Vec3d mapped_magnitude(const model::Affine& a,
-                                        const accel::geometry::Vec3d& magnitude) {
-  accel::geometry::Vec3d r;
-  for (std::size_t row = 0; row < 3; ++row) {
-    const double* m = &a.m[4 * row];
-    r[row] = std::fabs(m[0]) * magnitude.x + std::fabs(m[1]) * magnitude.y +
-             std::fabs(m[2]) * magnitude.z + std::fabs(m[3]);
-  }
-  return r;
+accel::geometry::Vec3d mapped_magnitude(const model::Affine& a, const NodeSummary& summary) {
+  return magnitude_within(mapped_reach(a, summary.reach), a, summary.magnitude);
 }
 
-std::int32_t log2_norm_bound(const model::Affine& a) { return log_ceiling(spectral_bound(a)); }
+std::int32_t log2_condition_bound(const model::Affine& a, const model::Affine& inverse_of_a) {
+  return log_ceiling(spectral_bound(a) * spectral_bound(inverse_of_a));
+}
 
 NodeSummary own_summary(const model::Node& node) {
   NodeSummary own;
@@ -89,40 +123,29 @@ NodeSummary own_summary(const model::Node& node) {
   own.box = model::DoubleBox(node.mesh->bounds());
   for (std::size_t a = 0; a < 3; ++a)
     own.magnitude[a] = std::max(std::fabs(own.box.lo[a]), std::fabs(own.box.hi[a]));
-  own.log2_norm = own.log2_inverse_norm = own.log2_condition = 0;
+  own.reach = length(own.magnitude) * kRoundedUp;
+  own.log2_condition = 0;
   own.instances = 1;
   own.entry_cost = entry_cost(*node.mesh);
   return own;
 }
 
 NodeSummary summary_in_parent(const model::Node& node, const NodeSummary& child) {
-  NodeSummary part = child;
-  part.extreme_counts = {};
-  part.height_count = 0;
-  part.height += 1;
-  if (is_group(node, child)) {
-    part.groups += 1;
-    part.clusters += max_clusters(node.children.size() + 1);
+  NodeSummary part;
+  if (node.is_flat) {
+    part.mesh_nodes = child.mesh_nodes;
+    part.triangles = child.triangles;
+  } else {
+    part = child;
+    part.extreme_counts = {};
+    part.height_count = 0;
+    if (is_group(node, child)) {
+      part.groups += 1;
+      part.clusters += max_clusters(node.children.size() + 1);
+    }
+    if (part.instances > 0) map_extremes(node.parent_from_local, part);
   }
-  return transformed(node.parent_from_local, part);
-}
-
-NodeSummary transformed(const model::Affine& a, const NodeSummary& below) {
-  NodeSummary part = below;
-  if (part.instances == 0) return part;
-  part.magnitude = hierarchy::mapped_magnitude(a, below.magnitude);
-  part.box = mapped(a, below.box);
-  // Four roundings of terms within magnitude, twice over.
-  for (std::size_t row = 0; row < 3; ++row) {
-    part.box.lo[row] -= part.magnitude[row] * 0x1p-50;
-    part.box.hi[row] += part.magnitude[row] * 0x1p-50;
-  }
-  const double norm = spectral_bound(a);
-  const std::optional<model::Affine> back = inverse(a);
-  const double inverse_norm = back ? spectral_bound(*back) : accel::geometry::kInfinity;
-  part.log2_norm += log_ceiling(norm);
-  part.log2_inverse_norm += log_ceiling(inverse_norm);
-  part.log2_condition += log_ceiling(norm * inverse_norm);
+  part.height = child.height + 1;
   return part;
 }
 
@@ -151,23 +174,8 @@ bool try_replace(NodeSummary& sum, const NodeSummary& before, const NodeSummary&
       return false;
     }
   }
-  return swap(sum.log2_norm, before.log2_norm, after.log2_norm, more) &&
-         swap(sum.log2_inverse_norm, before.log2_inverse_norm, after.log2_inverse_norm, more) &&
+  return swap(sum.reach, before.reach, after.reach, more) &&
          swap(sum.log2_condition, before.log2_condition, after.log2_condition, more);
-}
-
-bool surely_invertible(const model::Affine& world_from_local, const NodeSummary& summary) {
-  if (summary.instances == 0) return true;
-  const std::optional<model::Affine> back = inverse(world_from_local);
-  if (!back) return false;
-  // Within these limits the determinant neither overflows nor cancels: see inverse().
-  constexpr std::int32_t kScale = 100, kCondition = 20;
-  const std::int32_t norm = log2_norm_bound(world_from_local);
-  const std::int32_t inverse_norm = log2_norm_bound(*back);
-  const accel::geometry::Vec3d magnitude = mapped_magnitude(world_from_local, summary.magnitude);
-  return norm + summary.log2_norm < kScale && inverse_norm + summary.log2_inverse_norm < kScale &&
-         norm + inverse_norm + summary.log2_condition < kCondition &&
-         std::max({magnitude.x, magnitude.y, magnitude.z}) < 0x1p+500;
 }
 
 }  // namespace sightline::scenegraph::hierarchy

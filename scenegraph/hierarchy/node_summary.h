@@ -12,28 +12,33 @@
 namespace sightline::scenegraph::hierarchy {
 
 /// What is known of a node with all nodes below it. An instance is a node that carries a mesh with
-/// at least one finite triangle. Without instances the extremes are those of an empty set: any
-/// other value exceeds them.
+/// at least one finite triangle, and that has no flat node on the way up to the summed one, itself
+/// included. Without instances the extremes are those of an empty set: any other value exceeds
+/// them.
 struct NodeSummary {
-  static constexpr std::int32_t kNothing = -1'000'000;
+  static constexpr std::int32_t kNothing = -1;
 
   /// In the node's own frame: holds all instances, in exact arithmetic.
   model::DoubleBox box;
   /// Upper bound, per axis, of every term in the sums that make a coordinate of an instance,
-  /// intermediate frames included. Rounding errors are in proportion to it.
+  /// intermediate frames included. Rounding errors are in proportion to it. Infinite, never NaN,
+  /// where such terms may be beyond the range of doubles.
   accel::geometry::Vec3d magnitude;
-  /// For the transforms from the instances to this frame, as logarithms to base 2 rounded up (by
-  /// kRoundUp): the largest singular value, that of the inverse, and their product.
-  std::int32_t log2_norm = kNothing, log2_inverse_norm = kNothing, log2_condition = kNothing;
-  /// For a sum: the number of parts that reach each of the twelve extremes above. On level ground
+  /// Upper bound of the distance from the origin to every point of an instance, intermediate frames
+  /// included: transforms act on it by their norm, which rotations do not increase.
+  double reach = 0;
+  /// For the transforms from the instances to this frame, as a logarithm to base 2 rounded up (by
+  /// kRoundUp): the product of their condition numbers in the spectral norm.
+  std::int32_t log2_condition = kNothing;
+  /// For a sum: the number of parts that reach each of the eleven extremes above. On level ground
   /// most parts do.
-  std::array<std::uint32_t, 12> extreme_counts{};
+  std::array<std::uint32_t, 11> extreme_counts{};
 
   /// Nodes on the longest path down, this one included; 0: no node. Of the whole scene: one more.
   std::uint32_t height = 0;
   std::uint32_t height_count = 0;  ///< For a sum: the number of parts that reach it.
 
-  std::uint64_t mesh_nodes = 0;  ///< Nodes that carry a mesh, empty ones too.
+  std::uint64_t mesh_nodes = 0;  ///< Nodes that carry a mesh, empty and flat ones too.
   std::uint64_t triangles = 0;   ///< Over these.
   std::uint64_t instances = 0;
   std::uint64_t entry_cost = 0;  ///< Sum over instances.
@@ -43,9 +48,10 @@ struct NodeSummary {
   bool operator==(const NodeSummary&) const = default;
 };
 
-/// A value up to this factor above a power of two counts as that power, so that a rotation has norm
-/// 1. Over kMaxDepth levels the error stays below a tenth.
-inline constexpr double kRoundUp = 0.999;
+/// A value up to this factor above a power of two counts as that power, so that a rotation has
+/// condition 1. Over kMaxDepth levels the error stays below a tenth.
+inline constexpr double kRoundUp = 1 - 0x1p-14;
+static_assert(model::kMaxDepth * (1 - kRoundUp) < 0.07);
 
 /// The summary of the node's own mesh.
 NodeSummary own_summary(const model::Node& node);
@@ -59,12 +65,9 @@ inline bool is_group(const model::Node& node, const NodeSummary& summary) {
   return summary.instances > (is_instance(node) ? 1u : 0u);
 }
 
-/// What a child adds to its parent's summary, in the parent's frame. `child` is the summary of
-/// `node`.
+/// What a child adds to its parent's summary, in the parent's frame: of a flat one, nodes alone.
+/// `child` is the summary of `node`.
 NodeSummary summary_in_parent(const model::Node& node, const NodeSummary& child);
-
-/// The summary with its box, magnitude and norms mapped to the frame above.
-NodeSummary transformed(const model::Affine& parent_from_local, const NodeSummary& summary);
 
 /// Adds a part to the sum over a node's own summary and its children's.
 void add(NodeSummary& sum, const NodeSummary& part);
@@ -74,17 +77,11 @@ void add(NodeSummary& sum, const NodeSummary& part);
 /// not reach.
 bool try_replace(NodeSummary& sum, const NodeSummary& before, const NodeSummary& after);
 
-/// A magnitude in the frame that `a` maps to.
-accel::geometry::Vec3d mapped_magnitude(const model::Affine& a,
-                                        const accel::geometry::Vec3d& magnitude);
+/// NodeSummary::magnitude in the frame that `a` maps to.
+accel::geometry::Vec3d mapped_magnitude(const model::Affine& a, const NodeSummary& summary);
 
-/// The logarithm of an upper bound of the largest singular value of the linear part, rounded as in
-/// NodeSummary.
-std::int32_t log2_norm_bound(const model::Affine& a);
-
-/// Whether the transforms of all instances below a node with this world transform are surely
-/// invertible. If so, Scene::apply need not check each instance.
-bool surely_invertible(const model::Affine& world_from_local, const NodeSummary& summary);
+/// The logarithm of the condition number of an invertible transform, rounded as in NodeSummary.
+std::int32_t log2_condition_bound(const model::Affine& a, const model::Affine& inverse_of_a);
 
 /// Estimated cost of entering an instance, in triangle tests: a transform and a few steps in its
 /// tree, whose depth grows with the logarithm of its size.

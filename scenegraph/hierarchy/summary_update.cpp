@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "scenegraph/hierarchy/summary_tree.h"
 
@@ -19,8 +20,12 @@ NodeSummary own_summary(const Hierarchy& in, model::NodeId group) {
 }  // namespace
 
 model::Affine world_from_local(const Hierarchy& hierarchy, const model::Node& node) {
-  if (node.parent == 0) return node.parent_from_local;
-  return compose(world_from_local(hierarchy, *hierarchy.find(node.parent)), node.parent_from_local);
+  std::vector<const model::Node*> path{&node};  // no recursion: it may be long
+  while (path.back()->parent != 0) path.push_back(hierarchy.find(path.back()->parent));
+  model::Affine world = path.back()->parent_from_local;
+  for (std::size_t i = path.size() - 1; i-- > 0;)
+    world = compose(world, path[i]->parent_from_local);
+  return world;
 }
 
 const model::ChildList& children_of(const Hierarchy& in, model::NodeId group) {
@@ -45,24 +50,22 @@ NodeSummary Hierarchy::summary(const model::Node& node) const {
 }
 
 SummaryUpdate::SummaryUpdate(const Hierarchy& before, Hierarchy& after)
-    : before_(before), after_(after) {
-  for (int depth = 0; depth <= kMaxDepthHere; ++depth) changes_.emplace_back(&memory_);
-}
+    : before_(before), after_(after) {}
 
 void SummaryUpdate::edited(model::NodeId id) {
   const model::Node* node = after_.find(id);
   const model::Node* old = before_.find(id);
   const bool left = old != nullptr && (node == nullptr || node->parent != old->parent);
-  if (left && is_parent(old->parent)) changes_at(old->parent)[old->parent].push_back(id);
+  if (left && is_parent(old->parent)) changed_[old->parent].push_back(id);
   if (node != nullptr && !node->children.empty()) {
-    changes_at(id).try_emplace(id);  // added to its parent after its own sum
+    (void)changed_[id];  // a change of its parent after its own sum
     return;
   }
   if (old != nullptr && !old->children.empty()) {
     summaries_.set(id, nullptr);
     if (before_.summary_trees.find(id) != nullptr) summary_trees_.set(id, nullptr);
   }
-  if (node != nullptr) changes_at(node->parent)[node->parent].push_back(id);
+  if (node != nullptr) changed_[node->parent].push_back(id);
 }
 
 /// Whether the node is there and has children. One that has lost its last was edited too.
@@ -73,39 +76,28 @@ bool SummaryUpdate::is_parent(model::NodeId id) const {
 }
 
 bool SummaryUpdate::finish(const std::atomic<bool>* cancelled) {
-  for (std::size_t d = changes_.size(); d-- > 0;) {
-    for (const auto& [group, children] : changes_[d]) {
-      if (cancelled != nullptr && cancelled->load(std::memory_order_relaxed)) return false;
-      update(group, children);
-      if (group == 0) continue;
-      const model::NodeId parent = after_.find(group)->parent;
-      changes_[d - 1][parent].push_back(group);
-    }
-  }
-  return true;
+  return changed_.visit_upward([&](model::NodeId group, const Children& children) {
+    if (cancelled != nullptr && cancelled->load(std::memory_order_relaxed)) return false;
+    const std::uint32_t height = update(group, children);
+    return group == 0 || height <= static_cast<std::uint32_t>(model::kMaxDepth);
+  });
 }
 
-/// Remembers the last answer: a hierarchy that is loaded has many edits under one parent.
-std::size_t SummaryUpdate::depth(model::NodeId id) {
-  if (id == last_) return last_depth_;
-  std::size_t depth = 0;
-  for (model::NodeId at = id; at != 0; at = after_.find(at)->parent) ++depth;
-  last_ = id;
-  last_depth_ = depth;
-  return depth;
-}
-
-void SummaryUpdate::update(model::NodeId group, const Children& changed) {
+std::uint32_t SummaryUpdate::update(model::NodeId group, const Children& changed) {
   NodeSummary sum;
   const model::ChildList& children = children_of(after_, group);
   if (children.size() > SummaryTree::kWide) {
     sum = tree_sum(group, changed);
   } else {
     if (before_.summary_trees.find(group) != nullptr) summary_trees_.set(group, nullptr);
-    if (children.empty()) return summaries_.set(group, nullptr);  // no roots are left
+    if (children.empty()) {  // no roots are left
+      summaries_.set(group, nullptr);
+      return 0;
+    }
     if (!adjust(group, changed, sum)) sum = sum_of(group, children);
   }
   summaries_.set(group, std::make_shared<const NodeSummary>(sum));
+  return sum.height;
 }
 
 NodeSummary SummaryUpdate::tree_sum(model::NodeId group, const Children& changed) {

@@ -2,15 +2,14 @@
 #pragma once
 
 #include <atomic>
-#include <memory_resource>
-#include <unordered_map>
+#include <memory>
+#include <optional>
 #include <vector>
 
+#include "scenegraph/hierarchy/changed_groups.h"
 #include "scenegraph/hierarchy/node_summary.h"
 
 namespace sightline::scenegraph::hierarchy {
-
-using NodeMap = model::PersistentMap<std::shared_ptr<const model::Node>>;
 
 /// Revisions by node. Deleted nodes may have an entry too.
 using ChangeMap = model::PersistentMap<std::uint64_t>;
@@ -51,15 +50,40 @@ bool any_upward(const Hierarchy& hierarchy, model::NodeId id, const Test& test) 
 /// World transform of a node: its ancestors' transforms applied from the root down, in double.
 model::Affine world_from_local(const Hierarchy& hierarchy, const model::Node& node);
 
+/// Calls visit(node, world_from_local, local_from_world) for each instance that rays can meet: no
+/// node is flat from the root down to it, and all transforms together are invertible. In the order
+/// of a walk.
+template <class Visit>
+void for_each_reached(const Hierarchy& hierarchy, const Visit& visit) {
+  struct Siblings {
+    model::ChildList::Iterator next, end;
+    model::Affine world_from_parent;
+  };
+  std::vector<Siblings> path{{hierarchy.roots->begin(), hierarchy.roots->end(), {}}};
+  while (!path.empty()) {
+    Siblings& siblings = path.back();
+    if (siblings.next == siblings.end) {
+      path.pop_back();
+      continue;
+    }
+    const model::Node& node = *hierarchy.find(*siblings.next);
+    ++siblings.next;
+    if (node.is_flat) continue;
+    const model::Affine world = node.parent == 0
+                                    ? node.parent_from_local
+                                    : compose(siblings.world_from_parent, node.parent_from_local);
+    if (is_instance(node)) {
+      if (const std::optional<model::Affine> back = inverse(world)) visit(node, world, *back);
+    }
+    if (!node.children.empty()) path.push_back({node.children.begin(), node.children.end(), world});
+  }
+}
+
 /// 0: the roots.
 const model::ChildList& children_of(const Hierarchy& in, model::NodeId group);
 
 /// What the child adds to the group's summary; empty if it is not one of its children.
 NodeSummary summary_of_child(const Hierarchy& in, model::NodeId group, model::NodeId child);
-
-/// The deepest level that SummaryUpdate can hold. A subtree of kMaxDepth may hang as deep as that,
-/// until its height is known.
-inline constexpr int kMaxDepthHere = 2 * model::kMaxDepth;
 
 /// For one revision. Cost: each group above an edited node once, by its edited children. If those
 /// alone reached an extreme, by all its children, unless a SummaryTree holds their sum.
@@ -72,18 +96,16 @@ class SummaryUpdate {
   void edited(model::NodeId id);
 
   /// After the last: brings after.summaries up to date. Returns false soon after `cancelled` is
-  /// true; the summaries are then not all up to date.
+  /// true, and where the hierarchy is deeper than kMaxDepth; the summaries are then not all up to
+  /// date.
   bool finish(const std::atomic<bool>* cancelled = nullptr);
 
  private:
-  /// Of the groups at one depth, the children that bring something else than before.
-  using Children = std::pmr::vector<model::NodeId>;
-  using Changes = std::pmr::unordered_map<model::NodeId, Children>;
+  using Children = ChangedGroups::Children;
 
   bool is_parent(model::NodeId id) const;
-  std::size_t depth(model::NodeId id);
-  Changes& changes_at(model::NodeId group) { return changes_[depth(group)]; }
-  void update(model::NodeId group, const Children& changed);
+  /// Returns the group's new height.
+  std::uint32_t update(model::NodeId group, const Children& changed);
   NodeSummary tree_sum(model::NodeId group, const Children& changed);
   bool adjust(model::NodeId group, const Children& changed, NodeSummary& sum) const;
   NodeSummary sum_of(model::NodeId group, const model::ChildList& children) const;
@@ -93,11 +115,7 @@ class SummaryUpdate {
   SummaryMap::Edit summaries_{after_.summaries};
   model::PersistentMap<std::shared_ptr<const SummaryTree>>::Edit summary_trees_{
       after_.summary_trees};
-  std::pmr::monotonic_buffer_resource memory_;
-  // By depth: the scene's is 0, a root's is 1. See kMaxDepthHere.
-  std::vector<Changes> changes_;
-  model::NodeId last_ = 0;  // whose depth was asked for last
-  std::size_t last_depth_ = 0;
+  ChangedGroups changed_{after_.nodes};
 };
 
 }  // namespace sightline::scenegraph::hierarchy

@@ -10,8 +10,9 @@ namespace {
 /// For each unit of the condition: the share of the largest coordinate that a transform and its
 /// inverse may be off.
 constexpr double kPadPerCondition = 0x1p-48;
-/// More than the 260 roundings of a composed transform.
-constexpr double kComposedError = 0x1p-44;
+/// For each level below a group: more than the four roundings of a product of transforms, of terms
+/// up to the magnitude, and those of mapping a box.
+constexpr double kErrorPerLevel = 0x1p-49;
 
 double magnitude(const model::DoubleBox& b) {
   double m = 0;
@@ -33,14 +34,16 @@ accel::geometry::Aabb relative(const model::DoubleBox& world,
 
 /// No instance below has a larger condition: it is at most the product of those on the way, but for
 /// a factor of 3 between the norms and what kRoundUp took off; and none beyond kMaxCondition is an
-/// instance.
+/// instance. The roundings of each level change it by up to 12 units of 2^-53, times itself.
 double worst_condition(const model::Affine& world_from_local,
                        const hierarchy::NodeSummary& summary) {
   const std::optional<model::Affine> back = inverse(world_from_local);
   if (!back) return model::kMaxCondition;
-  const int log = hierarchy::log2_norm_bound(world_from_local) + hierarchy::log2_norm_bound(*back) +
-                  summary.log2_condition;
-  return std::min(std::ldexp(3.5, std::min(log, 64)), model::kMaxCondition);
+  const int log = hierarchy::log2_condition_bound(world_from_local, *back) + summary.log2_condition;
+  const double product = std::ldexp(3.5, std::min(log, 64));
+  const double share = product * summary.height * 0x1p-49;
+  if (share > 0.5) return model::kMaxCondition;
+  return std::min(product * (1 + 2 * share), model::kMaxCondition);
 }
 
 }  // namespace
@@ -58,11 +61,10 @@ accel::geometry::Aabb instance_box(const model::Affine& world_from_local,
 accel::geometry::Aabb group_box(const model::Affine& world_from_local,
                                 const hierarchy::NodeSummary& summary,
                                 const accel::geometry::Vec3d& center) {
-  const accel::geometry::Vec3d magnitude =
-      hierarchy::mapped_magnitude(world_from_local, summary.magnitude);
-  const double off =
-      std::max({magnitude.x, magnitude.y, magnitude.z}) *
-      (worst_condition(world_from_local, summary) * kPadPerCondition + kComposedError);
+  const accel::geometry::Vec3d magnitude = hierarchy::mapped_magnitude(world_from_local, summary);
+  const double off = std::max({magnitude.x, magnitude.y, magnitude.z}) *
+                     (worst_condition(world_from_local, summary) * kPadPerCondition +
+                      summary.height * kErrorPerLevel);
   accel::geometry::Aabb box = relative(padded(mapped(world_from_local, summary.box), off), center);
   for (std::size_t a = 0; a < 3; ++a)
     box.hi[a] = accel::geometry::least_above(accel::geometry::least_above(box.hi[a]));

@@ -2,10 +2,11 @@
 //
 // A group's box holds the boxes of all instances below it, bit for bit. Why: in exact arithmetic
 // the box in the group's own frame holds them (NodeSummary::box). An instance's box differs from
-// that by the rounding of its world transform (at most 65 products of four terms, each up to the
-// magnitude) and by its own padding, which grows with the condition of its transform. A group's box
-// is padded by more than both. The later steps (subtraction of the center, narrowing to float) are
-// monotonic except for widen_flat, so a group's box gets its two floats beforehand.
+// that by the rounding of its world transform (a product of four terms, each up to the magnitude,
+// for each level below the group) and by its own padding, which grows with the condition of its
+// transform. A group's box is padded by more than both. The later steps (subtraction of the center,
+// narrowing to float) are monotonic except for widen_flat, so a group's box gets its two floats
+// beforehand.
 #pragma once
 
 #include "accel/geometry/aabb.h"

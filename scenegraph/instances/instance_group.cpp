@@ -53,7 +53,7 @@ void add_members(const MobilityView& view, std::span<const model::NodeId> childr
   }
   for (std::size_t i = 0; i < count; ++i) {
     const model::Node& node = **nodes[i];
-    if (!view.holds(node)) continue;
+    if (node.is_flat || !view.holds(node)) continue;
     const hierarchy::NodeSummary* below =
         summaries[i] == nullptr ? nullptr : &view.group(children[i], **summaries[i]);
     const bool opens = below != nullptr && is_group(node, *below);
@@ -163,7 +163,7 @@ class SliceBuilder {
     instance.mesh = node.mesh.get();
     instance.entered = node.entered.get();
     const std::optional<model::Affine> local_from_world = inverse(world);
-    if (!local_from_world) {  // refused by Scene::apply
+    if (!local_from_world) {  // the transforms are not invertible together, or not finite
       instance.mask = 0;
       instance.box = group_.box;
       return;

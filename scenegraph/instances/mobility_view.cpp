@@ -3,27 +3,22 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <span>
 #include <utility>
 
+#include "scenegraph/hierarchy/changed_groups.h"
 #include "scenegraph/hierarchy/summary_tree.h"
 #include "scenegraph/instances/scene_trees.h"
 
 namespace sightline::scenegraph::instances {
 namespace {
 
-std::size_t depth(const hierarchy::Hierarchy& hierarchy, model::NodeId id) {
-  std::size_t depth = 0;
-  for (; id != 0; id = hierarchy.find(id)->parent) ++depth;
-  return depth;
-}
-
 /// A node that may be a root of a dynamic side, and what an older tree has of it.
 struct Candidate {
   model::NodeId id = 0;
   const model::Node* node = nullptr;  // at first the older tree's
   const Instance* known = nullptr;
+  bool is_hidden = false;  // it is flat, or a node above it is
 };
 
 /// Appends the roots of an older tree. Its instances have the boxes of this one if the centers are
@@ -68,9 +63,14 @@ void find_nodes(const hierarchy::Hierarchy& hierarchy, std::span<Candidate> cand
   }
 }
 
-/// Whether nodes, or those above them, have changed after a revision.
+/// Whether nodes, or those above them, have changed after a revision or are flat.
 class ChangedAfter {
  public:
+  struct Above {
+    bool is_changed = false;
+    bool is_flat = false;  // of unchanged ones
+  };
+
   ChangedAfter(const hierarchy::Hierarchy& hierarchy, std::uint64_t after)
       : hierarchy_(hierarchy), after_(after) {}
 
@@ -78,20 +78,25 @@ class ChangedAfter {
     const std::uint64_t* at = hierarchy_.changed_at.find(id);
     return at != nullptr && *at > after_;
   }
-  /// Remembers the last answer, for siblings.
-  bool at_or_above(model::NodeId id) {
-    if (id != last_) {
-      is_changed_ = any_upward(hierarchy_, id, [this](model::NodeId above) { return at(above); });
-      last_ = id;
+  /// Of the node and those above it. Remembers the last answer, for siblings.
+  const Above& at_or_above(model::NodeId id) {
+    if (id == last_) return above_;
+    last_ = id;
+    above_ = {};
+    while (id != 0 && !above_.is_changed) {
+      const model::Node& node = *hierarchy_.find(id);
+      above_.is_changed = at(id);
+      above_.is_flat = above_.is_flat || node.is_flat;
+      id = node.parent;
     }
-    return is_changed_;
+    return above_;
   }
 
  private:
   const hierarchy::Hierarchy& hierarchy_;
   const std::uint64_t after_;
   model::NodeId last_ = 0;
-  bool is_changed_ = false;
+  Above above_;
 };
 
 /// Keeps those of the candidates that are there, have changed after this revision, and have no such
@@ -103,12 +108,17 @@ void keep_topmost(const hierarchy::Hierarchy& hierarchy, std::uint64_t after,
   ChangedAfter changed(hierarchy, after);
   std::size_t kept = 0;
   for (const Candidate& candidate : candidates) {
-    const auto& [id, node, known] = candidate;
-    if (kept > 0 && candidates[kept - 1].id == id) {
+    const model::Node* node = candidate.node;
+    const Instance* known = candidate.known;
+    if (kept > 0 && candidates[kept - 1].id == candidate.id) {
       if (known != nullptr) candidates[kept - 1].known = known;
-    } else if (node != nullptr && (known != nullptr || changed.at(id)) &&
-               !changed.at_or_above(known != nullptr ? known->parent : node->parent)) {
-      candidates[kept++] = candidate;
+    } else if (node != nullptr && (known != nullptr || changed.at(candidate.id))) {
+      const ChangedAfter::Above above =
+          changed.at_or_above(known != nullptr ? known->parent : node->parent);
+      if (above.is_changed) continue;
+      candidates[kept] = candidate;
+      // What is known of an older tree is not flat.
+      candidates[kept++].is_hidden = above.is_flat || (known == nullptr && node->is_flat);
     }
   }
   candidates.resize(kept);
@@ -160,7 +170,11 @@ void MobilityView::find_moved(const MovedNodes& moved) {
   add_changed(moved.candidates, hierarchy_, roots);
   keep_topmost(hierarchy_, moved.after, roots);
   moved_.reserve(roots.size());
-  for (const auto& [id, node, known] : roots) {
+  for (const auto& [id, node, known, is_hidden] : roots) {
+    if (is_hidden) {
+      without_instances_.push_back(id);
+      continue;
+    }
     const hierarchy::NodeSummary* below =
         known != nullptr || node->children.empty() ? nullptr : &hierarchy_.group(id);
     if (below != nullptr && is_group(*node, *below)) {
@@ -184,27 +198,16 @@ const hierarchy::NodeSummary& MobilityView::group(model::NodeId id,
   return found == without_dynamic_.end() ? known : found->second;
 }
 
-/// From the deepest group up, each group above a dynamic root once.
+/// Each group above a dynamic root once.
 void MobilityView::leave_out_dynamic(const std::vector<model::NodeId>& roots) {
-  std::map<std::size_t, std::map<model::NodeId, std::vector<model::NodeId>>, std::greater<>>
-      by_depth;
-  for (const model::NodeId id : roots) {
-    const model::NodeId parent = hierarchy_.find(id)->parent;
-    by_depth[depth(hierarchy_, parent)][parent].push_back(id);
-  }
-  for (auto level = by_depth.begin(); level != by_depth.end(); ++level) {
-    for (auto& [group, changed] : level->second) {
-      std::sort(changed.begin(), changed.end());
-      const hierarchy::NodeSummary sum = without_dynamic(group, changed);
-      if (group == 0) {
-        all_ = sum;
-        continue;
-      }
-      without_dynamic_[group] = sum;
-      const model::NodeId parent = hierarchy_.find(group)->parent;
-      by_depth[level->first - 1][parent].push_back(group);
-    }
-  }
+  hierarchy::ChangedGroups above(hierarchy_.nodes);
+  for (const model::NodeId id : roots) above[hierarchy_.find(id)->parent].push_back(id);
+  above.visit_upward([this](model::NodeId group, const hierarchy::ChangedGroups::Children& some) {
+    std::vector<model::NodeId> changed(some.begin(), some.end());
+    std::sort(changed.begin(), changed.end());
+    (group == 0 ? all_ : without_dynamic_[group]) = without_dynamic(group, changed);
+    return true;
+  });
 }
 
 /// `changed`: the group's children that are dynamic roots or above some.

@@ -1,6 +1,7 @@
 // Composition and inversion of affine transforms.
 #include "scenegraph/model/affine.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace sightline::scenegraph::model {
@@ -17,11 +18,13 @@ Affine compose(const Affine& outer, const Affine& inner) {
   return r;
 }
 
+bool is_finite(const Affine& a) {
+  return std::ranges::all_of(a.m, [](double x) { return std::isfinite(x); });
+}
+
 std::optional<Affine> inverse(const Affine& a) {
   const auto& m = a.m;
-  for (const double x : m) {
-    if (!std::isfinite(x)) return std::nullopt;
-  }
+  if (!is_finite(a)) return std::nullopt;
   const Vec3d r0{m[0], m[1], m[2]}, r1{m[4], m[5], m[6]}, r2{m[8], m[9], m[10]};
   const Vec3d c0 = cross(r1, r2), c1 = cross(r2, r0), c2 = cross(r0, r1);
   const double determinant = dot(r0, c0);
@@ -34,10 +37,7 @@ std::optional<Affine> inverse(const Affine& a) {
   r.m[3] = -t.x;
   r.m[7] = -t.y;
   r.m[11] = -t.z;
-  for (const double x : r.m) {
-    if (!std::isfinite(x)) return std::nullopt;
-  }
-  if (!(condition(a, r) <= kMaxCondition)) return std::nullopt;
+  if (!is_finite(r) || !(condition(a, r) <= kMaxCondition)) return std::nullopt;
   return r;
 }
 

@@ -35,8 +35,10 @@ struct Affine {
 /// `outer` after `inner`.
 Affine compose(const Affine& outer, const Affine& inner);
 
-/// Nothing where the linear part is singular, not finite, or so nearly singular
-/// (condition above kMaxCondition) that no ray could be carried through it.
+bool is_finite(const Affine& a);
+
+/// Nothing where the linear part is singular, not finite, or so nearly singular (condition above
+/// kMaxCondition, or numbers beyond the range of doubles) that no ray could be carried through it.
 std::optional<Affine> inverse(const Affine& a);
 
 inline constexpr double kMaxCondition = 1e12;

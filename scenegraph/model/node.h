@@ -23,13 +23,16 @@ using ChildList = PersistentList<NodeId>;
 enum class Mobility : std::uint8_t { kStatic = 0, kRigid = 1, kDeforming = 2 };
 
 inline constexpr std::size_t kMaxNodeName = 1024;  ///< Bytes.
-inline constexpr int kMaxDepth = 64;               ///< Nodes from a root to a leaf.
+inline constexpr int kMaxDepth = 1024;             ///< Nodes from a root to a leaf.
 
 struct Node {
   NodeId id = 0;
   NodeId parent = 0;  ///< 0: a root.
   std::string name;   ///< For people; need not be unique.
   Affine parent_from_local;
+  /// No ray can be carried through parent_from_local (see inverse()): rays meet neither the node
+  /// nor what is below it.
+  bool is_flat = false;
   std::shared_ptr<const Mesh> mesh;  ///< Null: a group.
   std::string mesh_digest;  ///< Names the content of the mesh it was put with; empty without one.
   bool patched = false;     ///< The mesh's vertices have been changed since.
@@ -39,6 +42,12 @@ struct Node {
   /// Set once rays have entered the mesh; carried over from revision to revision. Null without a
   /// mesh.
   std::shared_ptr<std::atomic<bool>> entered;
+
+  /// Sets parent_from_local and is_flat.
+  void set_transform(const Affine& transform) {
+    parent_from_local = transform;
+    is_flat = !inverse(transform);
+  }
 };
 
 /// For messages.

@@ -5,7 +5,6 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
-#include <optional>
 
 #include "scenegraph/instances/instance_bounds.h"
 
@@ -19,17 +18,17 @@ using accel::geometry::Vec3d;
 /// Bits of a Morton code for each axis.
 constexpr unsigned kAxisBits = 21;
 /// Changes with the rules of the cut: servers that cut in other ways must not agree.
-constexpr std::uint64_t kRules = 1;
+constexpr std::uint64_t kRules = 2;
 
 struct Placed {
   std::uint64_t code;
   const model::Node* node;
+  Aabb box;  // relative to the centre of the cut
 };
 
 /// The centre of the instance's box in the world; not finite if the box is not.
-Vec3d center_of(const revision::Snapshot& snapshot, const model::Node& node) {
-  const model::DoubleBox box =
-      mapped(world_from_local(snapshot.hierarchy(), node), model::DoubleBox(node.mesh->bounds()));
+Vec3d center_of(const model::Affine& world_from_local, const model::Node& node) {
+  const model::DoubleBox box = mapped(world_from_local, model::DoubleBox(node.mesh->bounds()));
   return box.lo * 0.5 + box.hi * 0.5;
 }
 
@@ -67,15 +66,16 @@ class Grid {
   double extent_;
 };
 
-/// By code and id.
-std::vector<Placed> in_morton_order(const revision::Snapshot& snapshot) {
+/// By code and id: the instances that rays can meet, with their boxes relative to `origin`.
+std::vector<Placed> in_morton_order(const revision::Snapshot& snapshot, const Vec3d& origin) {
   std::vector<Placed> placed;
   std::vector<Vec3d> centers;
   model::DoubleBox box;
-  snapshot.nodes().for_each([&](model::NodeId, const std::shared_ptr<const model::Node>& node) {
-    if (!hierarchy::is_instance(*node)) return;
-    placed.push_back({0, node.get()});
-    centers.push_back(center_of(snapshot, *node));
+  hierarchy::for_each_reached(snapshot.hierarchy(), [&](const model::Node& node,
+                                                        const model::Affine& world,
+                                                        const model::Affine& back) {
+    placed.push_back({0, &node, instances::instance_box(world, back, node.mesh->bounds(), origin)});
+    centers.push_back(center_of(world, node));
     if (is_finite(centers.back())) box.grow(centers.back());
   });
   const Grid grid(box);
@@ -99,7 +99,7 @@ void mix(std::uint64_t& hash, std::uint64_t number) {
 ShardCut::ShardCut(const revision::Snapshot& snapshot, std::uint32_t shards)
     : center_(snapshot.trees().static_tree().center()), ranges_(shards) {
   assert(shards >= 1 && shards <= kMaxShards);
-  const std::vector<Placed> placed = in_morton_order(snapshot);
+  const std::vector<Placed> placed = in_morton_order(snapshot, center_);
   std::uint64_t total = 0, before = 0;
   for (const Placed& p : placed) total += weight(*p.node);
   std::vector<std::pair<model::NodeId, std::uint8_t>> table;
@@ -112,7 +112,7 @@ ShardCut::ShardCut(const revision::Snapshot& snapshot, std::uint32_t shards)
         static_cast<std::uint32_t>(middle / static_cast<double>(total) * shards), shards - 1);
     before += own;
     Range& range = ranges_[shard];
-    set_box(snapshot, *p.node, range);
+    range.box.grow(p.box);
     ++range.instances;
     range.triangles += own;
     table.emplace_back(p.node->id, static_cast<std::uint8_t>(shard));
@@ -134,17 +134,9 @@ ShardCut::ShardCut(const revision::Snapshot& snapshot, std::uint32_t shards)
   }
 }
 
-void ShardCut::set_box(const revision::Snapshot& snapshot, const model::Node& node,
-                       Range& range) const {
-  const model::Affine world = world_from_local(snapshot.hierarchy(), node);
-  const std::optional<model::Affine> back = inverse(world);
-  if (!back) return;  // refused by Scene::apply
-  range.box.grow(instances::instance_box(world, *back, node.mesh->bounds(), center_));
-}
-
 std::uint32_t ShardCut::shard_of(model::NodeId instance) const {
   const auto at = std::lower_bound(instances_.begin(), instances_.end(), instance);
-  assert(at != instances_.end() && *at == instance);
+  if (at == instances_.end() || *at != instance) return size();
   return shards_[static_cast<std::size_t>(at - instances_.begin())];
 }
 

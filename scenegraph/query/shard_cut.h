@@ -18,10 +18,10 @@ namespace sightline::scenegraph::query {
 /// Most shards of a scene.
 inline constexpr std::uint32_t kMaxShards = 64;
 
-/// The instances of a revision, ordered by the Morton codes of the centres of their boxes, in
-/// ranges of about equally many triangles. A pure function of the content of the revision and the
-/// number of shards: servers that have the same revision make the same cut. Immutable. Threads:
-/// any.
+/// The instances of a revision that rays can meet, ordered by the Morton codes of the centres of
+/// their boxes, in ranges of about equally many triangles. A pure function of the content of the
+/// revision and the number of shards: servers that have the same revision make the same cut.
+/// Immutable. Threads: any.
 class ShardCut {
  public:
   struct Range {
@@ -39,7 +39,7 @@ class ShardCut {
   const Range& operator[](std::uint32_t shard) const { return ranges_[shard]; }
   /// Equal for equal cuts: says which instance is in which range.
   std::uint64_t fingerprint() const { return fingerprint_; }
-  /// The shard of an instance of the revision.
+  /// The shard of an instance of the revision; size() for one that rays cannot meet.
   std::uint32_t shard_of(model::NodeId instance) const;
 
   /// Of the static tree of the snapshot.
@@ -48,8 +48,6 @@ class ShardCut {
   const accel::geometry::Aabb& bounds() const { return bounds_; }
 
  private:
-  void set_box(const revision::Snapshot& snapshot, const model::Node& node, Range& range) const;
-
   accel::geometry::Vec3d center_;
   accel::geometry::Aabb bounds_;
   std::vector<Range> ranges_;

@@ -92,11 +92,11 @@ DeferredCells deferred_cells(const Snapshot& snapshot, std::size_t limit) {
   const accel::kdtree::EpochPin pin;
   for (const instances::Tier& tier : snapshot.shared_trees().tiers)
     add_scene_tree(*tier.tree, largest);
-  snapshot.nodes().for_each([&](model::NodeId, const std::shared_ptr<const model::Node>& node) {
-    if (node->mesh == nullptr || node->mesh->triangles() == 0) return;
-    add_mesh(*node->mesh, world_from_local(snapshot.hierarchy(), *node),
-             node->entered->load(std::memory_order_relaxed), largest);
-  });
+  hierarchy::for_each_reached(
+      snapshot.hierarchy(),
+      [&](const model::Node& node, const model::Affine& world, const model::Affine&) {
+        add_mesh(*node.mesh, world, node.entered->load(std::memory_order_relaxed), largest);
+      });
   return std::move(largest).finish();
 }
 

@@ -2,6 +2,7 @@
 #include "scenegraph/revision/draft.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace sightline::scenegraph::revision {
 namespace {
@@ -13,16 +14,20 @@ Error error(Code code, std::string reason, std::string message) {
 /// `whose`: returns the name for the message.
 template <class Whose>
 Status check_matrix(const model::Affine& matrix, const Whose& whose) {
-  if (inverse(matrix)) return {};
-  return error(Code::kInvalidArgument, "SINGULAR_TRANSFORM",
-               "the transform of " + whose() +
-                   " is not finite, singular, or has a condition number above 1e12");
+  if (is_finite(matrix)) return {};
+  const double bad = *std::ranges::find_if_not(matrix.m, [](double x) { return std::isfinite(x); });
+  return error(Code::kInvalidArgument, "NOT_FINITE",
+               "the transform of " + whose() + " holds " +
+                   (std::isnan(bad) ? "nan"
+                    : bad > 0       ? "inf"
+                                    : "-inf") +
+                   ", which is not finite");
 }
 
-Error too_deep(const std::string& what, int depth) {
+Error too_deep(const std::string& what) {
   return error(Code::kInvalidArgument, "TOO_DEEP",
-               what + " would be at least " + std::to_string(depth) + " nodes deep, the limit is " +
-                   std::to_string(model::kMaxDepth));
+               what + " would be at least " + std::to_string(model::kMaxDepth + 1) +
+                   " nodes deep, the limit is " + std::to_string(model::kMaxDepth));
 }
 
 /// Also for children that come and leave several times: the last to come is the last in the list.
@@ -72,7 +77,6 @@ Status Draft::put(const model::PutNode& put) {
     fresh->id = id;
     fresh->parent = parent;
     edited_[id] = std::move(fresh);
-    if (Status s = check_parent(id, parent); !s) return s;
     join(id, parent);
   } else {
     const Result<model::NodeId> found = resolve(put.node);
@@ -87,7 +91,7 @@ Status Draft::put(const model::PutNode& put) {
   model::Node& node = edit(id);
   node.parent = parent;
   node.name = put.name;
-  node.parent_from_local = put.parent_from_local;
+  node.set_transform(put.parent_from_local);
   deformations_.forget(id);
   node.patched = false;
   if (put.mesh != node.mesh) {
@@ -97,7 +101,6 @@ Status Draft::put(const model::PutNode& put) {
   node.mesh_digest = put.mesh_digest;
   node.mobility = put.mobility;
   node.mask = put.mask;
-  moved_.insert(id);
   put_nodes_.push_back(id);
   return {};
 }
@@ -113,10 +116,9 @@ Status Draft::set_transforms(const model::SetTransforms& set) {
     const Result<model::NodeId> id = resolve(set.nodes[i]);
     if (!id) return id.error();
     model::Node& node = edit(*id);
-    node.parent_from_local = set.parent_from_local[i];
-    if (Status s = check_matrix(node.parent_from_local, [&] { return described(node); }); !s)
-      return s;
-    moved_.insert(*id);
+    const auto named = [&] { return described(node); };
+    if (Status s = check_matrix(set.parent_from_local[i], named); !s) return s;
+    node.set_transform(set.parent_from_local[i]);
   }
   return {};
 }
@@ -142,7 +144,6 @@ Status Draft::remove(const model::DeleteNode& removal) {
     joined_.erase(id);
     left_.erase(id);
     edited_[id] = nullptr;
-    moved_.erase(id);
     deformations_.forget(id);
   }
   return {};
@@ -166,7 +167,6 @@ Status Draft::deform() {
     node.mesh = mesh;
     node.patched = true;
     node.entered = std::make_shared<std::atomic<bool>>(false);
-    moved_.insert(id);
   }
   return {};
 }
@@ -217,9 +217,11 @@ void Draft::update_children() {
   }
 }
 
-/// The node may be a child of this parent: no cycle, and not deeper than kMaxDepth. What hangs
-/// below it is checked by finish().
+/// An old node may be a child of this parent: no cycle, and not deeper than kMaxDepth. What hangs
+/// below it, and new nodes, are checked by finish(). A node without children has nothing below it
+/// that could be its parent.
 Status Draft::check_parent(model::NodeId node, model::NodeId parent) const {
+  if (find(node)->children.empty() && !joined_.contains(node) && node != parent) return {};
   int depth = 1;
   for (model::NodeId p = parent; p != 0; p = find(p)->parent) {
     if (p == node) {
@@ -227,31 +229,14 @@ Status Draft::check_parent(model::NodeId node, model::NodeId parent) const {
                    described(*find(node)) + " cannot be put under " + described(*find(parent)) +
                        ", which is below it: that would be a cycle");
     }
-    if (++depth > model::kMaxDepth) return too_deep(described(*find(node)), depth);
+    if (++depth > model::kMaxDepth) return too_deep(described(*find(node)));
   }
   return {};
-}
-
-/// Of the nodes that have another parent than before. Thus no node is deeper than kMaxDepthHere.
-Status Draft::check_depths() const {
-  for (const auto& [id, node] : edited_) {
-    if (Status wanted = check_cancelled(); !wanted) return wanted;
-    const model::Node* old = base_.find(id);
-    if (node == nullptr || (old != nullptr && old->parent == node->parent)) continue;
-    if (Status s = check_parent(id, node->parent); !s) return s;
-  }
-  return {};
-}
-
-model::Affine Draft::world_from_local(const model::Node& node) const {
-  return node.parent == 0 ? node.parent_from_local
-                          : compose(world_from_local(*find(node.parent)), node.parent_from_local);
 }
 
 Status Draft::finish() {
   if (Status deformed = deform(); !deformed) return deformed;
   update_children();
-  if (Status shallow = check_depths(); !shallow) return shallow;
   change_ = classify_changes(base_, edited_, cancelled_);
   if (Status wanted = check_cancelled(); !wanted) return wanted;
   hierarchy_.changed_at = change_.changed_at;
@@ -267,34 +252,29 @@ Status Draft::finish() {
     if (Status wanted = check_cancelled(); !wanted) return wanted;
     update.edited(id);
   }
-  if (!update.finish(cancelled_)) return check_cancelled();
-  const auto deepest = static_cast<int>(hierarchy_.summary(0).height) - 1;
-  if (deepest > model::kMaxDepth) return too_deep("the hierarchy", deepest);
-  return check_transforms();
+  if (!update.finish(cancelled_)) {
+    const Status wanted = check_cancelled();
+    return wanted ? Status(too_deep("the hierarchy")) : wanted;
+  }
+  return check_range();
 }
 
-Status Draft::check_transforms() const {
-  for (const model::NodeId id : moved_) {
-    const model::Node& node = *find(id);
-    if (Status s = check_below(node, world_from_local(node)); !s) return s;
+/// Rays find instances by sums of their coordinates. Names the node whose transform is too much.
+Status Draft::check_range() const {
+  if (is_finite(hierarchy_.summary(0).magnitude)) return {};
+  model::NodeId group = 0;
+  for (bool found = true; found;) {
+    found = false;
+    for (const model::NodeId child : children_of(hierarchy_, group)) {
+      if (is_finite(summary_of_child(hierarchy_, group, child).magnitude)) continue;
+      group = child;
+      found = !find(child)->children.empty();
+      break;
+    }
   }
-  return {};
-}
-
-Status Draft::check_below(const model::Node& node, const model::Affine& world) const {
-  if (Status wanted = check_cancelled(); !wanted) return wanted;
-  if (node.mesh != nullptr) {
-    const auto with_those_above = [&] { return described(node) + ", with those above it,"; };
-    if (Status s = check_matrix(world, with_those_above); !s) return s;
-  }
-  if (node.children.empty() || surely_invertible(world, hierarchy_.group(node.id))) return {};
-  for (const model::NodeId child : node.children) {
-    // A child that moved too is checked on its own.
-    if (moved_.contains(child)) continue;
-    if (Status s = check_below(*find(child), compose(world, find(child)->parent_from_local)); !s)
-      return s;
-  }
-  return {};
+  return error(Code::kInvalidArgument, "NOT_FINITE",
+               "the transforms of " + described(*find(group)) +
+                   " and of the nodes below it lead beyond 1.8e308 together");
 }
 
 std::shared_ptr<const Snapshot> Draft::publish(const MergeState& state) && {

@@ -5,7 +5,6 @@
 #include <memory>
 #include <memory_resource>
 #include <unordered_map>
-#include <unordered_set>
 #include <vector>
 
 #include "proto/result.h"
@@ -31,8 +30,8 @@ class Draft {
 
   Status apply(const model::Update& update);
 
-  /// After the last update. Errors: kInvalidArgument if a mesh below a node that was put or moved
-  /// cannot be reached by rays: its world transform is not invertible.
+  /// After the last update. Errors: kInvalidArgument if the hierarchy is too deep, or coordinates
+  /// are beyond the range of doubles.
   Status finish();
 
   /// Ids of PutNode's nodes, in order.
@@ -59,10 +58,7 @@ class Draft {
   void update_children();
   Status deform();
   Status check_parent(model::NodeId node, model::NodeId parent) const;
-  Status check_depths() const;
-  model::Affine world_from_local(const model::Node& node) const;
-  Status check_transforms() const;
-  Status check_below(const model::Node& node, const model::Affine& world) const;
+  Status check_range() const;
 
   // For the maps below: freed as a whole, not in a million pieces.
   std::pmr::monotonic_buffer_resource memory_;
@@ -77,7 +73,6 @@ class Draft {
   using Children = std::pmr::unordered_map<model::NodeId, std::pmr::vector<model::NodeId>>;
   Children joined_{&memory_}, left_{&memory_};
   MobilityChange change_;
-  std::pmr::unordered_set<model::NodeId> moved_{&memory_};
   Deformations deformations_;
   std::vector<model::NodeId> put_nodes_;
 };

@@ -27,7 +27,6 @@ void grow_by_triangles(WorldBounds& bounds, const model::Mesh& mesh, const model
 }
 
 void grow_by_box(WorldBounds& bounds, const model::Mesh& mesh, const model::Affine& world) {
-  if (mesh.bounds().empty()) return;
   const model::DoubleBox box = mapped(world, model::DoubleBox(mesh.bounds()));
   bounds.grow(box.lo);
   bounds.grow(box.hi);
@@ -51,15 +50,14 @@ std::vector<const model::Mesh*> Snapshot::meshes() const {
 const WorldBounds& Snapshot::bounds() const {
   std::call_once(bounds_once_, [this] {
     const std::uint64_t triangles = hierarchy_.summary(0).triangles;
-    nodes().for_each([&](model::NodeId, const std::shared_ptr<const model::Node>& node) {
-      if (node->mesh == nullptr) return;
-      const model::Affine world = world_from_local(hierarchy_, *node);
-      if (triangles <= kExactBoundsTriangles) {
-        grow_by_triangles(bounds_, *node->mesh, world);
-      } else {
-        grow_by_box(bounds_, *node->mesh, world);
-      }
-    });
+    hierarchy::for_each_reached(
+        hierarchy_, [&](const model::Node& node, const model::Affine& world, const model::Affine&) {
+          if (triangles <= kExactBoundsTriangles) {
+            grow_by_triangles(bounds_, *node.mesh, world);
+          } else {
+            grow_by_box(bounds_, *node.mesh, world);
+          }
+        });
   });
   return bounds_;
 }

@@ -49,8 +49,8 @@ class Snapshot {
     complete_.store(trees_dropped + 1, std::memory_order_release);
   }
 
-  /// Of all finite triangles, in world space: over vertices, or over mesh boxes in very large
-  /// scenes. Computed at the first call. Throws model::MeshUnreadable.
+  /// Of all finite triangles that rays can meet, in world space: over vertices, or over mesh boxes
+  /// in very large scenes. Computed at the first call. Throws model::MeshUnreadable.
   const WorldBounds& bounds() const;
 
  private:
@@ -66,20 +66,20 @@ class Snapshot {
 struct SceneSummary {
   std::uint64_t revision = 0;
   std::uint64_t nodes = 0;
-  std::uint64_t instances = 0;            ///< Nodes that carry a mesh.
+  std::uint64_t instances = 0;            ///< Nodes that carry a mesh, flat ones too.
   std::uint64_t meshes = 0;               ///< Distinct meshes in use.
   std::uint64_t triangles_unique = 0;     ///< Over distinct meshes.
   std::uint64_t triangles_instanced = 0;  ///< Over instances.
   std::uint64_t triangles_nonfinite = 0;  ///< Of the unique ones, never hit.
   std::uint64_t bytes_geometry = 0;       ///< Vertex and index arrays of distinct meshes.
   std::array<double, 6>
-      bounds{};  ///< World: min x y z, max x y z. All NaN for a scene without triangles.
+      bounds{};  ///< World: min x y z, max x y z. All NaN where rays can meet no triangle.
 };
 SceneSummary summarize(const Snapshot& snapshot);
 
 /// How much of the trees exists. Walks the built part of every distinct mesh's tree.
 struct BuildSummary {
-  std::uint64_t instances_total = 0;
+  std::uint64_t instances_total = 0;  ///< Flat ones too.
   std::uint64_t instances_entered =
       0;                          ///< Whose mesh tree rays have entered or a full build has made.
   std::uint64_t trees_built = 0;  ///< Mesh trees with at least one finished leaf.

@@ -80,14 +80,14 @@ class Departures {
   void leave(model::NodeId id) {
     const model::Node* node = base_.find(id);
     if (node == nullptr) return;
-    const std::uint64_t last = instances::last_change(base_, id);
+    const std::uint64_t last = last_change(*node);
     const std::size_t from = tier_of(last);
     changed_[from] = true;
     // What is below it may be in newer trees.
     if (!node->children.empty())
       std::fill(changed_.begin() + static_cast<std::ptrdiff_t>(from), changed_.end(), true);
     if (last == 0) {
-      tiers_.front().left += base_.summary(*node).instances;
+      tiers_.front().left += node->is_flat ? 0 : base_.summary(*node).instances;
     } else if (const std::uint64_t* own = base_.changed_at.find(id)) {
       ++tiers_[tier_of(*own)].left;
     }
@@ -103,6 +103,19 @@ class Departures {
   }
 
  private:
+  /// Of the node and those above it. Remembers the last answer: siblings have the same parent, and
+  /// the next node of a chain has this one.
+  std::uint64_t last_change(const model::Node& node) {
+    if (node.parent != parent_) {
+      above_ = node.parent == last_ ? at_last_ : instances::last_change(base_, node.parent);
+      parent_ = node.parent;
+    }
+    last_ = node.id;
+    const std::uint64_t* own = base_.changed_at.find(node.id);
+    at_last_ = own != nullptr ? std::max(above_, *own) : above_;
+    return at_last_;
+  }
+
   /// The tree that holds the changes of that revision.
   std::size_t tier_of(std::uint64_t revision) const {
     std::size_t at = 0;
@@ -113,6 +126,8 @@ class Departures {
   const hierarchy::Hierarchy& base_;
   std::vector<Tier>& tiers_;
   std::vector<bool> changed_;
+  model::NodeId last_ = 0, parent_ = 0;
+  std::uint64_t at_last_ = 0, above_ = 0;  // the last changes of these
 };
 
 model::ChildList list_of(const std::vector<model::NodeId>& ids) {

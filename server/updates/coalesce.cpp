@@ -25,9 +25,8 @@ bool are_ids(const std::vector<NodeRef>& nodes) {
 bool is_sound(const Update& update) {
   if (const auto* set = std::get_if<SetTransforms>(&update)) {
     return are_ids(set->nodes) &&
-           std::ranges::all_of(set->parent_from_local, [](const Affine& matrix) {
-             return static_cast<bool>(inverse(matrix));
-           });
+           std::ranges::all_of(set->parent_from_local,
+                               [](const Affine& matrix) { return is_finite(matrix); });
   }
   const auto* patch = std::get_if<PatchVertices>(&update);
   return patch != nullptr && are_ids(patch->nodes);

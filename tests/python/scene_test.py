@@ -101,6 +101,27 @@ class SceneTest(ServerTest):
         self.assertFalse(self.scene.cast(ray, masks=1).hit)
         np.testing.assert_allclose(self.scene.cast(ray + np.array([1, 0, 0, 0, 0, 0]), masks=1).t, 4.999, atol=1e-8)
 
+    def test_flat_nodes_are_there_and_not_hit(self):
+        group = self.scene.add(name="group")
+        group.add(self.box)
+        for flat in (np.zeros((3, 4)), np.diag([1.0, 1, 0, 1]), np.diag([1, 1e-14, 1, 1]), np.ones((3, 4))):
+            group.set_transform(flat)
+            self.assertEqual(self.seen(), [False, False, False])
+            self.assertEqual(self.scene.info().instances, 1)
+            group.set_transform(shifted(10))
+            self.assertEqual(self.seen(), [False, True, False])
+
+    def test_mirrored_nodes_keep_their_outside(self):
+        self.scene.add(self.box)
+        outward = self.scene.cast(DOWN[0]).normal
+        for mirror in (np.diag([-1.0, 1, 1, 1]), np.diag([1.0, -1, 1, 1]), np.diag([1.0, 1, -1, 1])):
+            mirror[:3, 3] = np.where(np.diag(mirror)[:3] < 0, 1, 0) + [10, 0, 0]
+            node = self.scene.add(self.box, transform=mirror)
+            hits = [self.scene.cast(DOWN[1], cull=cull) for cull in (None, "back", "front")]
+            np.testing.assert_array_equal([hit.t for hit in hits], [4, 4, 5])
+            np.testing.assert_array_equal(hits[0].normal, outward)
+            node.delete()
+
     def test_patch(self):
         node = self.scene.add(self.box, mobility="deforming")
         node.patch(self.box[0] + [10, 0, 0])
@@ -112,8 +133,8 @@ class SceneTest(ServerTest):
             with self.assertRaises(ValueError):
                 node.set_transform(transform)
         with self.assertRaises(sightline.InvalidArgument) as raised:
-            node.set_transform(np.zeros((3, 4)))
-        self.assertEqual(raised.exception.reason, "SINGULAR_TRANSFORM")
+            node.set_transform(np.full((3, 4), np.inf))
+        self.assertEqual(raised.exception.reason, "NOT_FINITE")
         with self.assertRaises(sightline.NotFound):
             self.scene.add(parent=99)
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <limits>
 #include <optional>
 #include <thread>
 
@@ -138,15 +139,24 @@ std::vector<model::Update> chain_below(model::NodeRef top, int first, int count)
 
 TEST(Scene, TakesTheDepthOfTheWholeHierarchy) {
   Scene scene;
-  ASSERT_TRUE(scene.apply(chain_below(0, 1, 40)));  // 1 to 40
-  ASSERT_TRUE(scene.apply(chain_below(0, 1, 25)));  // 41 to 65
-  expect_refused(scene, {put(41, 40, "n")}, Code::kInvalidArgument, "TOO_DEEP");
-  EXPECT_TRUE(scene.apply({put(41, 39, "n")}));
+  ASSERT_TRUE(scene.apply(chain_below(0, 1, 1000)));  // 1 to 1000
+  ASSERT_TRUE(scene.apply(chain_below(0, 1, 25)));    // 1001 to 1025
+  expect_refused(scene, {put(1001, 1000, "n")}, Code::kInvalidArgument, "TOO_DEEP");
+  EXPECT_TRUE(scene.apply({put(1001, 999, "n")}));
   EXPECT_EQ(scene.snapshot()->hierarchy().summary(0).height, model::kMaxDepth + 1u);
-  expect_refused(scene, {put(-1, 65, "n")}, Code::kInvalidArgument, "TOO_DEEP");
+  expect_refused(scene, {put(-1, 1025, "n")}, Code::kInvalidArgument, "TOO_DEEP");
+  expect_refused(scene, {put(1001, 1025, "n")}, Code::kInvalidArgument, "NODE_CYCLE");
   // Only the end of a batch counts.
-  EXPECT_TRUE(scene.apply({put(41, 40, "n"), put(41, 0, "n")}));
-  EXPECT_EQ(scene.snapshot()->hierarchy().summary(0).height, 41u);
+  EXPECT_TRUE(scene.apply({put(1001, 1000, "n"), put(1001, 0, "n")}));
+  EXPECT_EQ(scene.snapshot()->hierarchy().summary(0).height, 1001u);
+}
+
+TEST(Scene, NamesBothNumbersWhereItIsTooDeep) {
+  Scene scene;
+  const auto refused = scene.apply(chain_below(0, 1, 5000));
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("1025"), std::string::npos) << refused.error().message;
+  EXPECT_NE(refused.error().message.find("1024"), std::string::npos) << refused.error().message;
 }
 
 TEST(Scene, AChildThatCameBackIsTheLast) {
@@ -200,21 +210,42 @@ TEST(Scene, RevisionsShareListsOfChildren) {
   EXPECT_EQ(&after.front(), &before->find(1)->children.front());
 }
 
-TEST(Scene, RefusesSingularTransforms) {
+TEST(Scene, RefusesTransformsThatAreNotFinite) {
   Scene scene;
-  model::PutNode flat = put(-1, 0, "flat");
-  flat.parent_from_local = model::Affine{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0}};
-  expect_refused(scene, {flat}, Code::kInvalidArgument, "SINGULAR_TRANSFORM");
   ASSERT_TRUE(scene.apply({put(-1, 0, "a"), put(-2, -1, "b", true)}));
-  expect_refused(scene, {model::SetTransforms{{1}, {flat.parent_from_local}}},
-                 Code::kInvalidArgument, "SINGULAR_TRANSFORM");
+  const double inf = std::numeric_limits<double>::infinity();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double bad : {nan, -nan, inf, -inf}) {
+    for (const std::size_t at : {0u, 3u, 6u, 11u}) {
+      model::PutNode wrong = put(-1, 0, "wrong");
+      wrong.parent_from_local.m[at] = bad;
+      expect_refused(scene, {wrong}, Code::kInvalidArgument, "NOT_FINITE");
+      expect_refused(scene, {model::SetTransforms{{2}, {wrong.parent_from_local}}},
+                     Code::kInvalidArgument, "NOT_FINITE");
+    }
+  }
+  model::PutNode wrong = put(-1, 0, "wrong");
+  wrong.parent_from_local.m[5] = -nan;
+  EXPECT_EQ(scene.apply({wrong}).error().message,
+            "update 0: the transform of node \"wrong\" holds nan, which is not finite");
   expect_refused(scene, {model::SetTransforms{{1, 2}, {model::Affine{}}}}, Code::kInvalidArgument,
                  "COUNT_MISMATCH");
-  // Each transform alone is valid; both, one above the other, are not.
-  const model::Affine thin{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1e-8, 0}};
-  ASSERT_TRUE(scene.apply({model::SetTransforms{{2}, {thin}}}));
-  expect_refused(scene, {model::SetTransforms{{1}, {thin}}}, Code::kInvalidArgument,
-                 "SINGULAR_TRANSFORM");
+}
+
+/// Each transform alone is good.
+TEST(Scene, RefusesCoordinatesBeyondDoubles) {
+  Scene scene;
+  const model::Affine huge{{1e100, 0, 0, 0, 0, 1e100, 0, 0, 0, 0, 1e100, 0}};
+  std::vector<model::Update> chain = chain_below(0, 1, 4);
+  std::get<model::PutNode>(chain.back()).mesh = triangle();
+  for (model::Update& node : chain) std::get<model::PutNode>(node).parent_from_local = huge;
+  expect_refused(scene, chain, Code::kInvalidArgument, "NOT_FINITE");
+  std::get<model::PutNode>(chain.front()).parent_from_local = {};
+  ASSERT_TRUE(scene.apply(chain));
+  expect_refused(scene, {model::SetTransforms{{1}, {huge}}}, Code::kInvalidArgument, "NOT_FINITE");
+  // Where a node above is flat, there are no coordinates.
+  ASSERT_TRUE(scene.apply({model::SetTransforms{{1, 2}, {huge, model::Affine{{}}}}}));
+  expect_refused(scene, {model::SetTransforms{{2}, {huge}}}, Code::kInvalidArgument, "NOT_FINITE");
 }
 
 TEST(Scene, AppliesAllOfABatchOrNothing) {

@@ -51,7 +51,9 @@ void collect_subtree(const scenegraph::revision::Snapshot& snapshot, scenegraph:
   const scenegraph::model::Node* node = snapshot.find(id);
   const scenegraph::model::Affine world_from_local =
       compose_in_double(world_from_parent, node->parent_from_local);
-  if (node->mesh) placed.push_back({node->mesh->view(), world_from_local, id, node->mask});
+  if (is_flat(node->parent_from_local)) return;
+  if (node->mesh && !is_flat(world_from_local))
+    placed.push_back({node->mesh->view(), world_from_local, id, node->mask});
   for (const scenegraph::model::NodeId child : node->children) {
     collect_subtree(snapshot, child, world_from_local, placed);
   }
@@ -100,6 +102,15 @@ bool is_valid(const accel::geometry::Ray& ray) {
 }
 
 }  // namespace
+
+bool is_flat(const scenegraph::model::Affine& a) {
+  const QuadVec x = row(a, 0), y = row(a, 4), z = row(a, 8);
+  const QuadVec yz = cross(y, z), zx = cross(z, x), xy = cross(x, y);
+  const Quad det = dot(x, yz);
+  const Quad squared =
+      (dot(x, x) + dot(y, y) + dot(z, z)) * (dot(yz, yz) + dot(zx, zx) + dot(xy, xy));
+  return !(squared <= Quad{1e24} * det * det) || det == 0;
+}
 
 std::vector<PlacedMesh> placed_meshes(const scenegraph::revision::Snapshot& snapshot) {
   std::vector<PlacedMesh> placed;

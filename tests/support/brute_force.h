@@ -24,7 +24,13 @@ struct PlacedMesh {
   std::uint32_t mask = accel::geometry::kAllMasks;
 };
 
-/// All nodes of the snapshot that have a mesh. Transforms are composed root to leaf in double.
+/// Whether no ray can be carried through the transform, because its condition number is above 1e12.
+/// In 113 bits, for finite numbers.
+bool is_flat(const scenegraph::model::Affine& a);
+
+/// All nodes of the snapshot that have a mesh and that rays can meet: no transform on the way from
+/// the root is flat, and all of them together are not. Transforms are composed root to leaf in
+/// double.
 std::vector<PlacedMesh> placed_meshes(const scenegraph::revision::Snapshot& snapshot);
 
 /// Without the candidates that lie farther than the first certainly accepted one.

@@ -228,17 +228,18 @@ TEST(BruteForce, WalksTheSnapshotsHierarchy) {
   auto made = scenegraph::model::Mesh::make(mesh.vertices, mesh.faces);
   ASSERT_TRUE(made.ok());
   const auto put = [&](scenegraph::model::NodeRef node, scenegraph::model::NodeRef parent, double z,
-                       bool leaf) {
+                       bool leaf, double height = 1) {
     scenegraph::model::PutNode p;
     p.node = node;
     p.parent = parent;
-    p.parent_from_local = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, z}};
+    p.parent_from_local = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, height, z}};
     if (leaf) p.mesh = *made;
     return scenegraph::model::Update(p);
   };
   scenegraph::Scene scene;
   const auto applied =
-      scene.apply({put(-1, 0, 10, false), put(-2, -1, 1, true), put(-3, -1, 2, true)});
+      scene.apply({put(-1, 0, 10, false), put(-2, -1, 1, true), put(-3, -1, 2, true),
+                   put(-4, -1, 3, true, 0), put(-5, -4, 4, true), put(-6, -1, 5, true, 1e-13)});
   ASSERT_TRUE(applied.ok());
   const BruteForce oracle(scene.snapshot());
   const Reference hit = oracle.trace(ray({0.25, 0.25, 20}, {0, 0, -1}));

@@ -68,6 +68,12 @@ Affine PlainScene::world_from_local(NodeId id) const {
                           : product(world_from_local(node.parent), node.parent_from_local);
 }
 
+bool PlainScene::is_reached(NodeId id) const {
+  if (is_flat(world_from_local(id))) return false;
+  while (id != 0 && !is_flat(nodes_.at(id).parent_from_local)) id = nodes_.at(id).parent;
+  return id == 0;
+}
+
 void PlainScene::apply(const scenegraph::model::Update& update) {
   if (const auto* u = std::get_if<scenegraph::model::PutNode>(&update)) {
     put(*u);
@@ -127,7 +133,8 @@ void PlainScene::remove(NodeId id) {
 std::vector<PlacedMesh> PlainScene::placed() const {
   std::vector<PlacedMesh> placed;
   for (const auto& [id, node] : nodes_) {
-    if (node.mesh) placed.push_back({node.view(), world_from_local(id), id, node.mask});
+    if (node.mesh && is_reached(id))
+      placed.push_back({node.view(), world_from_local(id), id, node.mask});
   }
   return placed;
 }

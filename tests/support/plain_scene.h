@@ -46,6 +46,8 @@ class PlainScene {
                 scenegraph::model::NodeId ancestor) const;  ///< True also for the node itself.
   std::vector<scenegraph::model::NodeId> children(scenegraph::model::NodeId id) const;
   scenegraph::model::Affine world_from_local(scenegraph::model::NodeId id) const;
+  /// Rays can meet what the node carries: neither it nor a node above it is flat, nor all together.
+  bool is_reached(scenegraph::model::NodeId id) const;
 
   /// Applies one update of a batch that the scene accepts. New nodes get the ids that a scene
   /// assigns: from 1 upward, in the order of the batch.
@@ -60,7 +62,7 @@ class PlainScene {
   /// Ids of the PutNodes of the current batch, in order.
   const std::vector<scenegraph::model::NodeId>& put_nodes() const { return put_nodes_; }
 
-  /// Meshes for the oracle; the arrays belong to this scene.
+  /// Meshes that rays can meet, for the oracle; the arrays belong to this scene.
   std::vector<PlacedMesh> placed() const;
   /// Ascending: the nodes that a query with this root (0: all) and these exclusions does not see.
   std::vector<scenegraph::model::NodeId> hidden(

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <utility>
 
 #include "tests/support/scenes.h"
@@ -122,13 +123,16 @@ void RandomEdits::edit(Batch& batch) {
   }
 }
 
-// A random rotation, a mild scale, and sometimes a mirror.
+// A random rotation, a mild scale, sometimes a mirror, and rarely flat.
 Affine RandomEdits::frame() {
-  const Vec3d x = random_.direction();
+  Vec3d x = random_.direction();
   Vec3d y = cross(x, random_.direction());
   y = y * (1 / std::sqrt(dot(y, y)));
   Vec3d z = cross(x, y);
   if (random_.below(5) == 0) z = z * -1.0;
+  const std::uint64_t flat = random_.below(30);
+  if (flat == 0) z = {};
+  if (flat == 1) x = y = z = {};
   const double s = random_.uniform(0.7, 1.4);
   const auto at = [&] { return random_.uniform(-kReach, kReach); };
   return {{s * x.x, s * y.x, s * z.x, at(), s * x.y, s * y.y, s * z.y, at(), s * x.z, s * y.z,
@@ -246,7 +250,9 @@ Code RandomEdits::spoil(Batch& batch) {
     put.parent = ref;
     batch.updates.push_back(put);
   } else if (what == 2) {
-    batch.updates.push_back(scenegraph::model::SetTransforms{{ref}, {Affine{{}}}});
+    Affine bad;
+    bad.m[random_.below(12)] = std::numeric_limits<double>::quiet_NaN();
+    batch.updates.push_back(scenegraph::model::SetTransforms{{ref}, {bad}});
   } else if (what == 3) {
     const auto vertices = batch.scene.nodes().at(*id).view().vertices.size();
     batch.updates.push_back(

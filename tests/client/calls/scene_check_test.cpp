@@ -40,18 +40,32 @@ TEST(SceneCheck, NamesTheNodeThatIsTooDeep) {
   EXPECT_EQ(status.error().message, "node 'node3' is at depth 4, the limit is 3");
 }
 
-TEST(SceneCheck, NamesTheNodeWithoutAnInverse) {
-  for (const double flat : {0.0, 1e-13}) {
-    importer::ImportedScene scene = chain(2);
-    scene.nodes[1].parent_from_local[10] = flat;
-    const Status status = check_scene(scene, limits());
-    ASSERT_FALSE(status) << flat;
-    EXPECT_EQ(status.error().code, Code::kInvalidArgument);
-    EXPECT_NE(status.error().message.find("'node1'"), std::string::npos);
+TEST(SceneCheck, NamesTheNodeThatIsNotFinite) {
+  const double inf = std::numeric_limits<double>::infinity();
+  for (const double bad : {inf, -inf, std::numeric_limits<double>::quiet_NaN()}) {
+    for (const std::size_t at : {0u, 3u, 11u}) {
+      importer::ImportedScene scene = chain(2);
+      scene.nodes[1].parent_from_local[at] = bad;
+      const Status status = check_scene(scene, limits());
+      ASSERT_FALSE(status) << bad;
+      EXPECT_EQ(status.error().code, Code::kInvalidArgument);
+      EXPECT_NE(status.error().message.find("'node1'"), std::string::npos);
+      EXPECT_NE(status.error().message.find("not finite"), std::string::npos);
+    }
   }
+}
+
+TEST(SceneCheck, AcceptsMirroredAndFlatNodes) {
   importer::ImportedScene mirrored = chain(1);
   mirrored.nodes[0].parent_from_local = {0, -3, 0, 1e6, 2, 0, 0, 0, 0, 0, -1e-3, 0};
   EXPECT_TRUE(check_scene(mirrored, limits()));
+  for (const double flat : {0.0, -0.0, 1e-13, 1e-300}) {
+    importer::ImportedScene scene = chain(2);
+    scene.nodes[1].parent_from_local[10] = flat;
+    EXPECT_TRUE(check_scene(scene, limits()));
+    scene.nodes[1].parent_from_local = {};
+    EXPECT_TRUE(check_scene(scene, limits()));
+  }
 }
 
 TEST(SceneCheck, AMeshThatIsTooLargeIsAResourceError) {

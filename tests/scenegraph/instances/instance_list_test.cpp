@@ -12,6 +12,7 @@
 #include "scenegraph/instances/instance_bounds.h"
 #include "scenegraph/instances/instance_group.h"
 #include "scenegraph/trace.h"
+#include "tests/scenegraph/put_node.h"
 #include "tests/scenegraph/random_hierarchy.h"
 #include "tests/support/all_instances.h"
 
@@ -107,7 +108,7 @@ TEST(Instances, BoxesContainTheirInstancesForAnyConditionNumber) {
   for (const double thickness : {1e-3, 1e-6, 1e-9}) {
     std::vector<model::Update> updates;
     tests::Random random(8);
-    for (int i = 1; i <= 40; ++i) {
+    for (int i = 1; i <= model::kMaxDepth; ++i) {
       model::PutNode put;
       put.node = -i;
       put.parent = i == 1 ? 0 : -i + 1;
@@ -119,7 +120,8 @@ TEST(Instances, BoxesContainTheirInstancesForAnyConditionNumber) {
       updates.emplace_back(put);
     }
     const auto snapshot = tests::snapshot_of(updates);
-    EXPECT_EQ(open_down(snapshot->trees().static_tree()).size(), 40u);
+    EXPECT_EQ(open_down(snapshot->trees().static_tree()).size(),
+              static_cast<std::size_t>(model::kMaxDepth));
   }
 }
 
@@ -225,40 +227,24 @@ TEST(Instances, WeighTheInstancesBelow) {
   EXPECT_EQ(weight_shift(std::uint64_t{1} << 40), 10u);
 }
 
-TEST(Instances, ThatCannotBeReachedAreNotListed) {
-  // Built without Scene, which refuses them.
-  hierarchy::Hierarchy hierarchy;
-  const auto add = [&](model::NodeId id, model::NodeId parent, const model::Affine& where,
-                       std::shared_ptr<const model::Mesh> mesh) {
-    model::Node node;
-    node.id = id;
-    node.parent = parent;
-    node.parent_from_local = where;
-    node.mesh = std::move(mesh);
-    if (node.mesh != nullptr) node.entered = std::make_shared<std::atomic<bool>>(false);
-    if (id == 1) node.children = {2, 3, 4};
-    if (id == 4) node.children = {5};
-    hierarchy.nodes.set(id, std::make_shared<const model::Node>(node));
-  };
-  const model::Affine singular{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0}};
-  add(1, 0, {}, nullptr);
-  add(2, 1, singular, tests::some_mesh(0));
-  add(3, 1, {}, tests::some_mesh(0));
-  add(4, 1, singular, nullptr);
-  add(5, 4, {}, tests::some_mesh(0));
-  hierarchy.roots = std::make_shared<const model::ChildList>(model::ChildList{1});
-  const hierarchy::Hierarchy nothing;
-  hierarchy::SummaryUpdate update(nothing, hierarchy);
-  for (model::NodeId id = 1; id <= 5; ++id) update.edited(id);
-  update.finish();
-  const revision::Snapshot snapshot(1, hierarchy);
-  const Instances& instances = snapshot.trees().static_tree();
-  EXPECT_EQ(instances.size(), 3u);
+TEST(Instances, ThatAreFlatOrBelowFlatNodesAreNone) {
+  const model::Affine flat{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0}};
+  // Alone it is good; twice, one above the other, it is not.
+  const model::Affine thin{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1e-8, 0}};
+  const auto mesh = tests::some_mesh(0);
+  const auto snapshot =
+      tests::snapshot_of({tests::put_node(-1, 0, nullptr), tests::put_node(-2, -1, mesh, flat),
+                          tests::put_node(-3, -1, mesh), tests::put_node(-4, -1, nullptr, flat),
+                          tests::put_node(-5, -4, mesh), tests::put_node(-6, -1, nullptr, thin),
+                          tests::put_node(-7, -6, mesh, thin)});
+  const Instances& instances = snapshot->trees().static_tree();
+  EXPECT_EQ(instances.size(), 2u) << "node 3, and 7, which is found out when its group is opened";
+  EXPECT_EQ(snapshot->hierarchy().summary(0).mesh_nodes, 4u);
   const accel::geometry::Ray ray{{0.1, 0.2, 9}, {0, 0, -1}};
   accel::geometry::Hit hit;
-  ASSERT_TRUE(trace(snapshot, {&ray, 1}, {&hit, 1}, {}));
+  ASSERT_TRUE(trace(*snapshot, {&ray, 1}, {&hit, 1}, {}));
   EXPECT_EQ(hit.node, 3u);
-  ASSERT_TRUE(build_all(snapshot));
+  ASSERT_TRUE(build_all(*snapshot));
   for (const Instance& instance : tests::all_instances(instances))
     EXPECT_EQ(instance.mask != 0, instance.node == 3);
 }

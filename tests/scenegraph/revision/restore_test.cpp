@@ -73,7 +73,7 @@ TEST(Restore, RestoredScenesTakeTheSameBatchesAsTheirOriginals) {
 }
 
 TEST(Restore, RefusesWhatIsNoScene) {
-  const auto refused = [](std::vector<model::Node> nodes, model::NodeId next_id = 100) {
+  const auto refused = [](std::vector<model::Node> nodes, model::NodeId next_id = 10000) {
     Scene scene;
     const Status restored = scene.restore({1, next_id, std::move(nodes)});
     return !restored && restored.error().code == Code::kDataLoss;

@@ -183,8 +183,9 @@ TEST_F(SceneRpcTest, RefusesBadBatchesWhole) {
   expect_refused({good, put_node(-2, "", 999)}, grpc::StatusCode::NOT_FOUND, "PARENT_NOT_FOUND");
   expect_refused({good, put_node(parent, "", child)}, grpc::StatusCode::INVALID_ARGUMENT,
                  "NODE_CYCLE");
-  expect_refused({good, put_node(-2, "", 0, {{1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0}})},
-                 grpc::StatusCode::INVALID_ARGUMENT, "SINGULAR_TRANSFORM");
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  expect_refused({good, put_node(-2, "", 0, {{1, 0, 0, 0, 0, nan, 0, 0, 0, 0, 1, 0}})},
+                 grpc::StatusCode::INVALID_ARGUMENT, "NOT_FINITE");
   expect_refused({good, v1::Update()}, grpc::StatusCode::INVALID_ARGUMENT, "EMPTY_UPDATE");
 
   v1::Update short_matrix = put_node(-2);
