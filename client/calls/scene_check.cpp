@@ -13,10 +13,12 @@ Status check_transforms(const importer::ImportedScene& scene) {
   for (const importer::ImportedNode& node : scene.nodes) {
     for (const double number : node.parent_from_local) {
       if (std::isfinite(number)) continue;
-      return Error{
-          Code::kInvalidArgument,
-          fmt::format("node '{}': its transform holds {}, which is not finite", node.name, number),
-          {}};
+      return Error{Code::kInvalidArgument,
+                   fmt::format("node '{}': its transform holds {}, which is not finite", node.name,
+                               std::isnan(number) ? "nan"
+                               : number > 0       ? "inf"
+                                                  : "-inf"),
+                   {}};
     }
   }
   return {};

@@ -42,7 +42,8 @@ TEST(SceneCheck, NamesTheNodeThatIsTooDeep) {
 
 TEST(SceneCheck, NamesTheNodeThatIsNotFinite) {
   const double inf = std::numeric_limits<double>::infinity();
-  for (const double bad : {inf, -inf, std::numeric_limits<double>::quiet_NaN()}) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double bad : {inf, -inf, nan, -nan}) {
     for (const std::size_t at : {0u, 3u, 11u}) {
       importer::ImportedScene scene = chain(2);
       scene.nodes[1].parent_from_local[at] = bad;
@@ -51,6 +52,7 @@ TEST(SceneCheck, NamesTheNodeThatIsNotFinite) {
       EXPECT_EQ(status.error().code, Code::kInvalidArgument);
       EXPECT_NE(status.error().message.find("'node1'"), std::string::npos);
       EXPECT_NE(status.error().message.find("not finite"), std::string::npos);
+      EXPECT_EQ(status.error().message.find("-nan"), std::string::npos);
     }
   }
 }
