@@ -26,6 +26,8 @@ using scenegraph::revision::Snapshot;
 
 /// A node, and its share of the copied blocks of the node map.
 constexpr std::uint64_t kBytesPerNode = sizeof(Node) + 1024;
+/// The sums over a group above a changed node, and their share of the copied blocks of their map.
+constexpr std::uint64_t kBytesPerGroup = sizeof(scenegraph::hierarchy::NodeSummary) + 320;
 /// A node in the newest revision: itself, its share of the maps of nodes and of summaries, its
 /// entry in its parent's list.
 constexpr std::uint64_t kBytesPerHeldNode = sizeof(Node) + 320;
@@ -74,6 +76,9 @@ class ReplacedBytes {
   }
   void operator()(const SetTransforms& set) {
     bytes_ += std::min(set.nodes.size(), before_.node_count()) * kBytesPerNode;
+    for (const NodeRef ref : set.nodes) {
+      if (const Node* node = before_.find(static_cast<NodeId>(ref))) add_above(*node);
+    }
   }
   void operator()(const DeleteNode& removal) {
     std::vector<NodeId> below{static_cast<NodeId>(removal.node)};
@@ -98,12 +103,21 @@ class ReplacedBytes {
   }
   void add(const Node& node) {
     bytes_ += kBytesPerNode;
+    add_above(node);
     // The blob store counts meshes that are not patched.
     if (!node.patched || !meshes_.insert(node.mesh.get()).second) return;
     mesh_bytes_ += node.mesh->view().vertices.size_bytes() + node.mesh->tree_bytes();
   }
 
+  /// Each group once: chains are long.
+  void add_above(const Node& node) {
+    for (NodeId at = node.parent; at != 0 && above_.insert(at).second;
+         at = before_.find(at)->parent)
+      bytes_ += kBytesPerGroup;
+  }
+
   const Snapshot& before_;
+  std::unordered_set<NodeId> above_;
   std::uint64_t bytes_ = 0, mesh_bytes_ = 0, names_ = 0;
   std::unordered_set<const Mesh*> meshes_;
 };

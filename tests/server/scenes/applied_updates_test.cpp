@@ -44,6 +44,25 @@ TEST(AppliedUpdates, ReferToEveryNodeByItsId) {
   EXPECT_EQ(std::get<DeleteNode>(updates[6]).node, 102);
 }
 
+/// Their sums are made again by every update below them.
+TEST(AppliedUpdates, CountTheGroupsAboveOnce) {
+  Scene scene;
+  std::vector<Update> chain;
+  for (int i = 1; i <= 1000; ++i) chain.push_back(tests::put_node(-i, 1 - i, nullptr));
+  chain.push_back(tests::put_node(-1001, -999, nullptr));
+  ASSERT_TRUE(scene.apply(chain));
+  const auto bytes_of_moving = [&](const std::vector<scenegraph::model::NodeRef>& nodes) {
+    const std::vector<scenegraph::model::Affine> still(nodes.size());
+    return bytes_replaced(*scene.snapshot(), {SetTransforms{nodes, still}}).bytes;
+  };
+  const std::uint64_t groups = 999 * sizeof(scenegraph::hierarchy::NodeSummary);
+  EXPECT_GT(bytes_of_moving({1000}), groups);
+  EXPECT_LT(bytes_of_moving({1000}), 4 * groups);
+  EXPECT_LT(bytes_of_moving({1000, 1001}), bytes_of_moving({1000}) + groups / 10);
+  EXPECT_LT(bytes_of_moving({1}), groups / 10);
+  EXPECT_GT(bytes_replaced(*scene.snapshot(), {DeleteNode{1001}}).bytes, groups);
+}
+
 TEST(AppliedUpdates, CountPatchedVerticesThatWereReplaced) {
   Scene scene;
   ASSERT_TRUE(scene.apply({tests::put_node(-1, 0, nullptr), tests::put_node(-2, -1, sheet(200))}));
