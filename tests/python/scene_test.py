@@ -133,7 +133,7 @@ class SceneTest(ServerTest):
             with self.assertRaises(ValueError):
                 node.set_transform(transform)
         with self.assertRaises(sightline.InvalidArgument) as raised:
-            node.set_transform(np.full((3, 4), np.inf))
+            node.set_transform(np.full((3, 4), np.nan))
         self.assertEqual(raised.exception.reason, "NOT_FINITE")
         with self.assertRaises(sightline.NotFound):
             self.scene.add(parent=99)
