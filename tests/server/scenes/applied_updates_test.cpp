@@ -52,8 +52,8 @@ TEST(AppliedUpdates, CountTheGroupsAboveOnce) {
   chain.push_back(tests::put_node(-1001, -999, nullptr));
   ASSERT_TRUE(scene.apply(chain));
   const auto bytes_of_moving = [&](const std::vector<scenegraph::model::NodeRef>& nodes) {
-    const std::vector<scenegraph::model::Affine> still(nodes.size());
-    return bytes_replaced(*scene.snapshot(), {SetTransforms{nodes, still}}).bytes;
+    const std::vector<scenegraph::model::Affine> unmoved(nodes.size());
+    return bytes_replaced(*scene.snapshot(), {SetTransforms{nodes, unmoved}}).bytes;
   };
   const std::uint64_t groups = 999 * sizeof(scenegraph::hierarchy::NodeSummary);
   EXPECT_GT(bytes_of_moving({1000}), groups);
