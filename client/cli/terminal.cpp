@@ -110,10 +110,6 @@ ExitCode fail(const Error& error) {
   return exit;
 }
 
-void print_warnings(std::span<const std::string> warnings) {
-  for (const std::string& warning : warnings) print_warning(warning);
-}
-
 ExitCode interrupted_code() {
   return caught.load(std::memory_order_relaxed) == SIGTERM ? kTerminated : kInterrupted;
 }

@@ -6,7 +6,6 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
-#include <span>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -37,9 +36,6 @@ std::string printable(std::string_view text);
 
 /// Prints the error on stderr, as text or as JSON, and returns its exit code.
 ExitCode fail(const Error& error);
-
-/// Prints each on stderr, as a line of its own, unless the command is quiet.
-void print_warnings(std::span<const std::string> warnings);
 
 /// Of a command that an Interrupt has ended: kInterrupted or kTerminated.
 ExitCode interrupted_code();

@@ -91,6 +91,8 @@ struct Rig {
   Transform scene_from_file = kIdentity;     ///< applied before the roots
   /// Subtracted from all vertices, and added to the transforms of the nodes that carry them
   Point offset{};
+  /// By mesh: the vertices without a pose, in the file. Empty for a mesh without skin and shapes.
+  std::vector<std::vector<Point>> vertices;
   std::vector<Skin> skins;     ///< by mesh
   std::vector<Shapes> shapes;  ///< by mesh
 };

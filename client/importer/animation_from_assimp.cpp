@@ -2,16 +2,11 @@
 #include "client/importer/animation_from_assimp.h"
 
 #include <assimp/anim.h>
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <set>
 #include <utility>
-
-#include "client/importer/scene_from_assimp.h"
-#include "client/importer/skin_from_assimp.h"
 
 namespace sightline::client::importer {
 namespace {
@@ -40,65 +35,20 @@ Quaternion value_of(const aiQuaternion& q) {
   return out;
 }
 
-template <class Value>
-bool is_finite(const Value& value) {
-  return std::all_of(value.begin(), value.end(), [](double x) { return std::isfinite(x); });
-}
-
-template <class Value>
-Status check(const Track<Value>& track, const std::string& node) {
-  double before = -HUGE_VAL;
-  for (std::size_t i = 0; i < track.keys.size(); ++i) {
-    const Key<Value>& key = track.keys[i];
-    if (std::isfinite(key.seconds) && key.seconds >= before && is_finite(key.value)) {
-      before = key.seconds;
-      continue;
-    }
-    return import_error(fmt::format(
-        "node '{}': key {} of its animation, at {} s, is not finite or not in order of time", node,
-        i, key.seconds));
-  }
-  return {};
-}
-
 class AnimationReader {
  public:
-  AnimationReader(const aiScene& source, const ConvertedScene& converted)
-      : source_(source), converted_(converted) {
-    for (std::uint32_t i = 0; i < converted.sources.size(); ++i) {
-      if (converted.sources[i] != nullptr) {
-        nodes_.emplace(converted.sources[i]->mName.C_Str(), i);
-      }
-    }
-  }
+  AnimationReader(const aiScene& source, const std::vector<const aiNode*>& nodes,
+                  const NodesByName& by_name)
+      : source_(source), nodes_(nodes), by_name_(by_name) {}
 
-  Result<Rig> rig() const {
-    Rig rig;
-    for (const ImportedNode& node : converted_.scene.nodes) {
-      rig.parent_from_local.push_back(node.parent_from_local);
-    }
-    for (unsigned m = 0; m < source_.mNumMeshes; ++m) {
-      auto skin = skin_from_assimp(*source_.mMeshes[m], nodes_);
-      if (!skin) return skin.error();
-      rig.skins.push_back(*std::move(skin));
-      auto shapes = shapes_from_assimp(*source_.mMeshes[m]);
-      if (!shapes) return shapes.error();
-      rig.shapes.push_back(*std::move(shapes));
-    }
-    return rig;
-  }
-
-  Result<Animation> read(const aiAnimation& source) const {
+  Animation read(const aiAnimation& source) const {
     Animation animation;
-    animation.name = node_name(source.mName.C_Str());
+    animation.name = source.mName.C_Str();
     const double rate = source.mTicksPerSecond > 0 ? source.mTicksPerSecond : kUsualTicksPerSecond;
-    if (const Status read = read_channels(source, rate, animation); !read) return read.error();
-    if (const Status read = read_deformations(source, rate, animation); !read) return read.error();
+    read_channels(source, rate, animation);
+    read_deformations(source, rate, animation);
     const double seconds = source.mDuration / rate;
-    if (!std::isfinite(seconds)) {
-      return import_error(fmt::format("animation '{}' lasts {} s", animation.name, seconds));
-    }
-    animation.seconds = std::max(animation.seconds, seconds);
+    animation.seconds = std::isfinite(seconds) ? std::max(animation.seconds, seconds) : seconds;
     return animation;
   }
 
@@ -124,8 +74,8 @@ class AnimationReader {
     if (channel.scalings.keys.empty()) channel.scalings.keys = {{0, value_of(scaling)}};
   }
 
-  static Result<NodeChannel> read(const aiNodeAnim& source, const aiNode& node, double rate,
-                                  Animation& animation) {
+  static NodeChannel read(const aiNodeAnim& source, const aiNode& node, double rate,
+                          Animation& animation) {
     NodeChannel channel;
     channel.positions =
         track<Point>(source.mPositionKeys, source.mNumPositionKeys, rate, animation);
@@ -136,26 +86,23 @@ class AnimationReader {
     const auto set = [&](auto& track) {
       track.before = beyond(source.mPreState);
       track.after = beyond(source.mPostState);
-      return check(track, node.mName.C_Str());
     };
-    if (const Status good = set(channel.positions); !good) return good.error();
-    if (const Status good = set(channel.rotations); !good) return good.error();
-    if (const Status good = set(channel.scalings); !good) return good.error();
+    set(channel.positions);
+    set(channel.rotations);
+    set(channel.scalings);
     return channel;
   }
 
   // A channel whose name is no node, for example a camera, is ignored.
-  Status read_channels(const aiAnimation& source, double rate, Animation& animation) const {
+  void read_channels(const aiAnimation& source, double rate, Animation& animation) const {
     std::set<std::uint32_t> seen;
     for (unsigned i = 0; i < source.mNumChannels; ++i) {
-      const auto node = nodes_.find(source.mChannels[i]->mNodeName.C_Str());
-      if (node == nodes_.end() || !seen.insert(node->second).second) continue;
-      auto channel = read(*source.mChannels[i], *converted_.sources[node->second], rate, animation);
-      if (!channel) return channel.error();
-      channel->node = node->second;
-      animation.channels.push_back(*std::move(channel));
+      const auto node = by_name_.find(source.mChannels[i]->mNodeName.C_Str());
+      if (node == by_name_.end() || !seen.insert(node->second).second) continue;
+      NodeChannel channel = read(*source.mChannels[i], *nodes_[node->second], rate, animation);
+      channel.node = node->second;
+      animation.channels.push_back(std::move(channel));
     }
-    return {};
   }
 
   // Weights of the first `shapes` shapes. Weights of shapes that do not exist are ignored.
@@ -187,48 +134,35 @@ class AnimationReader {
     return nullptr;
   }
 
-  Status read_deformations(const aiAnimation& source, double rate, Animation& animation) const {
-    const std::vector<ImportedNode>& nodes = converted_.scene.nodes;
-    for (std::uint32_t i = 0; i < nodes.size(); ++i) {
-      if (nodes[i].mesh == kNone) continue;
-      const aiMesh& mesh = *source_.mMeshes[nodes[i].mesh];
-      const aiNode& node =
-          *converted_.sources[converted_.sources[i] != nullptr ? i : nodes[i].parent];
-      Deformation deformation{i, nodes[i].mesh, {}};
-      const aiMeshMorphAnim* shapes =
-          mesh.mNumAnimMeshes > 0 ? channel_for(source, node, mesh) : nullptr;
-      if (shapes != nullptr) {
-        deformation.weights = weights(*shapes, mesh.mNumAnimMeshes, rate, animation);
+  void read_deformations(const aiAnimation& source, double rate, Animation& animation) const {
+    for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
+      for (unsigned k = 0; k < nodes_[i]->mNumMeshes; ++k) {
+        const unsigned m = nodes_[i]->mMeshes[k];
+        if (m >= source_.mNumMeshes || source_.mMeshes[m]->mNumAnimMeshes == 0) continue;
+        const aiMesh& mesh = *source_.mMeshes[m];
+        const aiMeshMorphAnim* const shapes = channel_for(source, *nodes_[i], mesh);
+        if (shapes == nullptr) continue;
+        animation.deformations.push_back(
+            {i, m, weights(*shapes, mesh.mNumAnimMeshes, rate, animation)});
       }
-      if (Status good = check(deformation.weights, nodes[i].name); !good) return good;
-      if (mesh.mNumBones > 0 || !deformation.weights.keys.empty())
-        animation.deformations.push_back(std::move(deformation));
     }
-    return {};
   }
 
   const aiScene& source_;
-  const ConvertedScene& converted_;
-  NodesByName nodes_;
+  const std::vector<const aiNode*>& nodes_;
+  const NodesByName& by_name_;
 };
 
 }  // namespace
 
-Result<AnimatedScene> animation_from_assimp(const aiScene& source, ConvertedScene converted) {
-  const AnimationReader reader(source, converted);
-  AnimatedScene out;
-  auto rig = reader.rig();
-  if (!rig) return rig.error();
-  out.rig = *std::move(rig);
+std::vector<Animation> animations_from_assimp(const aiScene& source,
+                                              const std::vector<const aiNode*>& nodes,
+                                              const NodesByName& by_name) {
+  const AnimationReader reader(source, nodes, by_name);
+  std::vector<Animation> out;
   for (unsigned i = 0; i < source.mNumAnimations; ++i) {
-    auto animation = reader.read(*source.mAnimations[i]);
-    if (!animation) return animation.error();
-    const bool has_shapes =
-        std::any_of(animation->deformations.begin(), animation->deformations.end(),
-                    [](const Deformation& d) { return !d.weights.keys.empty(); });
-    if (!animation->channels.empty() || has_shapes) out.animations.push_back(*std::move(animation));
+    out.push_back(reader.read(*source.mAnimations[i]));
   }
-  out.scene = std::move(converted.scene);
   return out;
 }
 

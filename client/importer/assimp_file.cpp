@@ -2,7 +2,6 @@
 #include "client/importer/assimp_file.h"
 
 #include <assimp/importerdesc.h>
-#include <assimp/postprocess.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,6 +14,8 @@
 #include <utility>
 
 #include "client/importer/assimp_files.h"
+#include "client/importer/file_scene_from_assimp.h"
+#include "client/importer/frame.h"
 
 namespace sightline::client::importer {
 namespace {
@@ -45,36 +46,6 @@ class ProgressAdapter final : public Assimp::ProgressHandler {
   ImportProgress progress_;
   double reached_ = 0;
 };
-
-Status check_polygon(const aiMesh& mesh, unsigned index) {
-  const aiFace& face = mesh.mFaces[index];
-  for (unsigned k = 0; k < face.mNumIndices; ++k) {
-    if (face.mIndices[k] < mesh.mNumVertices) continue;
-    return import_error(fmt::format("mesh '{}': polygon {} names vertex {}, but there are {}",
-                                    mesh.mName.C_Str(), index, face.mIndices[k],
-                                    mesh.mNumVertices));
-  }
-  return {};
-}
-
-// Checks polygons before Assimp cuts them, because Assimp does not check their vertex indices.
-// Assimp also aborts if a mesh that claims to hold polygons, or nothing, holds none; so the flags
-// are corrected here.
-Status settle_polygons(aiScene& scene) {
-  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
-    aiMesh& mesh = *scene.mMeshes[m];
-    bool has_polygons = false;
-    for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
-      if (mesh.mFaces[i].mNumIndices <= 3) continue;
-      if (Status good = check_polygon(mesh, i); !good) return good;
-      has_polygons = true;
-    }
-    if (has_polygons) continue;
-    mesh.mPrimitiveTypes &= ~static_cast<unsigned>(aiPrimitiveType_POLYGON);
-    if (mesh.mPrimitiveTypes == 0) mesh.mPrimitiveTypes = aiPrimitiveType_POINT;
-  }
-  return {};
-}
 
 // Materials and textures are not imported.
 bool is_about_looks(std::string_view complaint) {
@@ -140,11 +111,6 @@ Result<AssimpFile> AssimpFile::read(const std::string& name, const FileSource& f
     importer->SetProgressHandler(std::make_unique<ProgressAdapter>(progress).release());
   }
   const aiScene* scene = importer->ReadFile(name, 0);
-  if (scene != nullptr) {
-    if (const Status good = settle_polygons(const_cast<aiScene&>(*scene)); !good)
-      return good.error();
-    scene = importer->ApplyPostProcessing(aiProcess_Triangulate);
-  }
   // Assimp calls a scene without meshes incomplete.
   const bool is_complete =
       scene != nullptr && scene->mRootNode != nullptr &&
@@ -158,6 +124,20 @@ std::string AssimpFile::importer_name() const {
   if (index < 0) return {};
   const aiImporterDesc* description = importer_->GetImporterInfo(static_cast<std::size_t>(index));
   return description != nullptr ? description->mName : "";
+}
+
+Result<FileScene> read_with_assimp(const SceneFile& file) {
+  const auto source = AssimpFile::read(file.name, file.files, file.progress);
+  if (!source) return source.error();
+  auto scene = file_scene_from_assimp(source->scene(), source->importer_name());
+  if (!scene) return scene;
+  std::string turned = turned_axes(source->importer_name(), file.bytes, file.options.up_axis);
+  if (!turned.empty())
+    scene->warnings.push_back({.kind = "axes_turned", .message = std::move(turned)});
+  for (const std::string& complaint : source->complaints()) {
+    scene->warnings.push_back({.kind = "assimp", .message = "Assimp: " + complaint});
+  }
+  return scene;
 }
 
 }  // namespace sightline::client::importer

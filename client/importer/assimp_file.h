@@ -4,27 +4,21 @@
 #include <assimp/scene.h>
 
 #include <assimp/Importer.hpp>
-#include <functional>
 #include <memory>
-#include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "client/importer/file_scene.h"
 #include "client/importer/imported_scene.h"
 #include "client/result.h"
 
 namespace sightline::client::importer {
 
-/// The contents of a file, by the name that the scene file or Assimp gives it; valid as long as the
-/// source. Nothing: there is no such file.
-using FileSource = std::function<std::optional<std::string_view>(const std::string& name)>;
-
 class AssimpFile {
  public:
-  /// Reads and triangulates the file, and changes nothing else. Errors: kInvalidArgument, with
-  /// Assimp's message if it has one: the file is unreadable or incomplete, or a polygon names a
-  /// vertex that does not exist. May throw what Assimp throws. Not from two threads at once.
+  /// Reads the file and changes nothing: polygons stay whole, and may name vertices that do not
+  /// exist. Errors: kInvalidArgument, with Assimp's message if it has one: the file is unreadable
+  /// or incomplete. May throw what Assimp throws. Not from two threads at once.
   static Result<AssimpFile> read(const std::string& name, const FileSource& files,
                                  const ImportProgress& progress = {});
 
@@ -42,5 +36,9 @@ class AssimpFile {
   std::unique_ptr<Assimp::Importer> importer_;
   std::vector<std::string> complaints_;
 };
+
+/// What Assimp reads from the file, with a warning for each of its complaints. Errors: those of
+/// AssimpFile::read and of file_scene_from_assimp.
+Result<FileScene> read_with_assimp(const SceneFile& file);
 
 }  // namespace sightline::client::importer

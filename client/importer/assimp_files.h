@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "client/importer/assimp_file.h"
+#include "client/importer/file_scene.h"
 
 namespace Assimp {
 class IOSystem;

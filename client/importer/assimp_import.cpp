@@ -4,16 +4,18 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <iterator>
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "client/importer/archive.h"
 #include "client/importer/check_received.h"
-#include "client/importer/lattice.h"
 #include "client/importer/read_scene.h"
 #include "client/importer/sandbox/folder.h"
 #include "client/importer/sandbox/sandbox.h"
@@ -39,25 +41,19 @@ Status check(const ImportOptions& options) {
 }
 
 // A scene, or a message that says why there is none.
-template <class Scene>
 struct Answer {
   std::string error;
-  Scene scene;
+  AnimatedScene scene;
 };
 
-template <class Archive, class Scene>
-void fields(Archive& archive, Answer<Scene>& answer) {
+template <class Archive>
+void fields(Archive& archive, Answer& answer) {
   archive(answer.error, answer.scene);
 }
 
-template <class Scene>
-using Read = Result<Scene> (*)(const std::string&, const FileSource&, const ImportOptions&,
-                               const ImportProgress&);
-
 // Runs in the confined process.
-template <class Scene>
 void answer(sandbox::Inside& inside, const std::string& name, const ImportOptions& options,
-            bool wants_progress, Read<Scene> read) {
+            bool wants_progress) {
   ImportProgress progress;
   double shown = 0;
   if (wants_progress) {
@@ -68,8 +64,8 @@ void answer(sandbox::Inside& inside, const std::string& name, const ImportOption
     };
   }
   const FileSource files = [&](const std::string& asked) { return inside.read(asked); };
-  Answer<Scene> result;
-  if (auto scene = read(name, files, options, progress)) {
+  Answer result;
+  if (auto scene = read_scene(name, files, options, progress)) {
     result.scene = *std::move(scene);
   } else {
     result.error = scene.error().message.empty() ? "cannot be read" : scene.error().message;
@@ -79,30 +75,19 @@ void answer(sandbox::Inside& inside, const std::string& name, const ImportOption
   inside.finish();
 }
 
-template <class Scene>
-Result<Scene> import(const std::filesystem::path& file, const ImportOptions& options,
-                     const ImportProgress& progress, Read<Scene> read) {
-  if (const Status good = check(options); !good) return good.error();
-  const std::string name = file.filename().string();
-  const bool wants_progress = static_cast<bool>(progress);
-  const auto outcome = sandbox::run(file, {}, progress, [&](sandbox::Inside& inside) {
-    answer(inside, name, options, wants_progress, read);
-  });
-  if (!outcome) return outcome.error();
-  Answer<Scene> received;
-  ArchiveReader reader(outcome->bytes.span());
-  reader(received);
-  if (!received.error.empty()) return in_file(file, std::move(received.error), outcome->refusals);
-  Status good = check_received(received.scene);
-  if (!reader.is_complete()) good = import_error("it is incomplete");
-  if (!good) {
-    return in_file(file, "the process that read it left a damaged result: " + good.error().message,
-                   outcome->refusals);
+// The warnings about a file of this path, those of refused files first.
+std::vector<Warning> warnings_of(const std::filesystem::path& file,
+                                 const std::vector<std::string>& refusals,
+                                 std::vector<Warning> of_scene) {
+  std::vector<Warning> out;
+  for (const std::string& refusal : refusals) {
+    out.push_back({.kind = "file_not_read", .message = refusal});
   }
-  std::vector<std::string>& warnings = warnings_of(received.scene);
-  warnings.insert(warnings.begin(), outcome->refusals.begin(), outcome->refusals.end());
-  for (std::string& warning : warnings) warning = fmt::format("{}: {}", file.string(), warning);
-  return std::move(received.scene);
+  std::move(of_scene.begin(), of_scene.end(), std::back_inserter(out));
+  for (Warning& warning : out) {
+    warning.message = fmt::format("{}: {}", file.string(), warning.message);
+  }
+  return out;
 }
 
 std::uint64_t memory_of_machine() {
@@ -124,23 +109,36 @@ Status check_readable(const std::filesystem::path& file) {
       {}};
 }
 
-Result<ImportedScene> import_unrebased(const std::filesystem::path& file,
-                                       const ImportOptions& options,
-                                       const ImportProgress& progress) {
-  return import(file, options, progress, read_scene);
-}
-
 Result<ImportedScene> import_scene(const std::filesystem::path& file, const ImportOptions& options,
                                    const ImportProgress& progress) {
-  auto scene = import_unrebased(file, options, progress);
-  if (scene) rebase(*scene);
-  return scene;
+  auto animated = import_animated_scene(file, options, progress);
+  if (!animated) return animated.error();
+  return std::move(animated->scene);
 }
 
 Result<AnimatedScene> import_animated_scene(const std::filesystem::path& file,
                                             const ImportOptions& options,
                                             const ImportProgress& progress) {
-  return import(file, options, progress, read_animated_scene);
+  if (const Status good = check(options); !good) return good.error();
+  const std::string name = file.filename().string();
+  const bool wants_progress = static_cast<bool>(progress);
+  const auto outcome = sandbox::run(file, {}, progress, [&](sandbox::Inside& inside) {
+    answer(inside, name, options, wants_progress);
+  });
+  if (!outcome) return outcome.error();
+  Answer received;
+  ArchiveReader reader(outcome->bytes.span());
+  reader(received);
+  if (!received.error.empty()) return in_file(file, std::move(received.error), outcome->refusals);
+  Status good = check_received(received.scene);
+  if (!reader.is_complete()) good = import_error("it is incomplete");
+  if (!good) {
+    return in_file(file, "the process that read it left a damaged result: " + good.error().message,
+                   outcome->refusals);
+  }
+  std::vector<Warning>& warnings = received.scene.scene.warnings;
+  warnings = warnings_of(file, outcome->refusals, std::move(warnings));
+  return std::move(received.scene);
 }
 
 }  // namespace sightline::client::importer

@@ -1,4 +1,4 @@
-// Reads a scene file with Assimp: glTF, GLB, OBJ, PLY, STL, DAE, IFC, AC, FBX. The file may come
+// Reads a scene file: glTF, GLB, OBJ, PLY, STL, DAE, IFC, AC, FBX. The file may come
 // from a stranger: a child process reads it, which has limits on memory and time, no network, and
 // no files but those in the folder of the scene file and below.
 #pragma once
@@ -17,14 +17,14 @@ namespace sightline::client::importer {
 Status check_readable(const std::filesystem::path& file);
 
 /// Cuts polygons into triangles and does nothing else to the file: no vertex is merged, no face
-/// repaired, no transform applied. `rebase` moves vertices that lie far from their origin near to
-/// it, without moving a triangle. The index of a face in its Assimp mesh is its primitive id. A
-/// node with several meshes keeps its name and gets a child for each, NAME#0, NAME#1, ...; a mesh
-/// of several nodes stays one mesh. Textures are not read. Errors: kInvalidArgument, with Assimp's
-/// message if it has one: file unreadable or incomplete, a transform that is not finite, an index
-/// out of range, a child process that died of the file or reached a limit (sandbox/sandbox.h);
-/// kUnimplemented: the system cannot confine the child. Forks; safe in a process with threads, and
-/// from several at once. `progress` is called on this thread.
+/// repaired, no transform applied. Vertices that lie far from their origin are moved near to it,
+/// without moving a triangle (lattice.h). Faces keep their order: the n - 2 triangles of a polygon
+/// are consecutive primitive ids. A node with several meshes keeps its name and gets a child for
+/// each, NAME#0, NAME#1, ...; a mesh of several nodes stays one mesh. Textures are not read.
+/// Errors: kInvalidArgument: file unreadable or incomplete, a transform that is not finite, an
+/// index out of range, a child process that died of the file or reached a limit
+/// (sandbox/sandbox.h); kUnimplemented: the system cannot confine the child. Forks; safe in a
+/// process with threads, and from several at once. `progress` is called on this thread.
 Result<ImportedScene> import_scene(const std::filesystem::path& file,
                                    const ImportOptions& options = {},
                                    const ImportProgress& progress = {});
@@ -34,10 +34,5 @@ Result<ImportedScene> import_scene(const std::filesystem::path& file,
 Result<AnimatedScene> import_animated_scene(const std::filesystem::path& file,
                                             const ImportOptions& options = {},
                                             const ImportProgress& progress = {});
-
-/// Returns the same scene without rebasing.
-Result<ImportedScene> import_unrebased(const std::filesystem::path& file,
-                                       const ImportOptions& options = {},
-                                       const ImportProgress& progress = {});
 
 }  // namespace sightline::client::importer

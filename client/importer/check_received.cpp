@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <string>
 
-#include "client/importer/scene_from_assimp.h"
+#include "client/importer/node_name.h"
 
 namespace sightline::client::importer {
 namespace {
@@ -35,8 +35,7 @@ bool is_good(const ImportedMesh& mesh) {
     }
   }
   const std::uint64_t others = mesh.faces.size() - triangles;
-  return is_name(mesh.name) && mesh.triangles == triangles && mesh.lines_and_points <= others &&
-         mesh.uncut_polygons == others - mesh.lines_and_points;
+  return is_name(mesh.name) && mesh.triangles == triangles && mesh.lines_and_points == others;
 }
 
 bool is_good(const ImportedScene& scene, std::size_t index) {
@@ -109,14 +108,17 @@ Status check_rig(const AnimatedScene& animated) {
   const bool transforms = rig.parent_from_local.size() == scene.nodes.size() &&
                           std::all_of(rig.parent_from_local.begin(), rig.parent_from_local.end(),
                                       [](const Transform& m) { return all_finite(m); });
-  const bool lists =
-      rig.skins.size() == scene.meshes.size() && rig.shapes.size() == scene.meshes.size();
+  const bool lists = rig.vertices.size() == scene.meshes.size() &&
+                     rig.skins.size() == scene.meshes.size() &&
+                     rig.shapes.size() == scene.meshes.size();
   if (!transforms || !lists || !all_finite(rig.scene_from_file) || !all_finite(rig.offset))
     return import_error("the rig");
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const ImportedMesh& mesh = scene.meshes[m];
-    const bool good =
-        is_good(rig.skins[m], mesh, scene.nodes.size()) && is_good(rig.shapes[m], mesh);
+    const bool is_rigid = rig.skins[m].bones.empty() && rig.shapes[m].empty();
+    const bool good = is_good(rig.skins[m], mesh, scene.nodes.size()) &&
+                      is_good(rig.shapes[m], mesh) &&
+                      rig.vertices[m].size() == (is_rigid ? 0 : mesh.vertices.size());
     if (Status kept = require(good, "the rig of mesh", m); !kept) return kept;
   }
   return {};

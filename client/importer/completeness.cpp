@@ -17,7 +17,7 @@
 namespace sightline::client::importer {
 namespace {
 
-using Doubts = std::vector<std::string>;
+using Doubts = std::vector<Warning>;
 
 constexpr std::string_view kWhiteSpace = " \t\r\n";
 constexpr std::size_t kShown = 40;  // characters of a line
@@ -31,6 +31,8 @@ std::string_view trimmed(std::string_view text) {
 std::string_view last_line(std::string_view text) {
   return text.substr(text.find_last_of("\r\n") + 1);
 }
+
+Doubts doubt(std::string message) { return {{.kind = "cut_off", .message = std::move(message)}}; }
 
 Error cut_off(const std::string& why) { return import_error("the file is cut off: " + why); }
 
@@ -82,7 +84,7 @@ Result<Doubts> check_obj(std::string_view bytes) {
     return cut_off(
         fmt::format("its last line is no whole statement: '{}'", line.substr(0, kShown)));
   }
-  return Doubts{"its last line has no end; the file may be cut off"};
+  return doubt("its last line has no end; the file may be cut off");
 }
 
 bool is_ascii_stl(std::string_view bytes) {
@@ -96,7 +98,7 @@ Result<Doubts> check_stl(std::string_view bytes) {
   std::transform(line.begin(), line.end(), line.begin(),
                  [](unsigned char c) { return c < 0x80 ? std::tolower(c) : c; });
   if (line.starts_with("endsolid") || line.starts_with("end solid")) return Doubts{};
-  return Doubts{"it does not end with endsolid; the file may be cut off"};
+  return doubt("it does not end with endsolid; the file may be cut off");
 }
 
 Result<Doubts> doubts_of_ply(std::string_view bytes) {

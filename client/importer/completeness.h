@@ -2,10 +2,10 @@
 // importer.
 #pragma once
 
-#include <string>
 #include <string_view>
 #include <vector>
 
+#include "client/importer/imported_scene.h"
 #include "client/result.h"
 
 namespace sightline::client::importer {
@@ -14,6 +14,6 @@ namespace sightline::client::importer {
 /// a STEP file (IFC) without its last line, an OBJ file whose last statement is incomplete, an STL
 /// file without its end, a binary PLY file that is shorter than its header says. `name` is that of
 /// the file, `bytes` its contents.
-Result<std::vector<std::string>> check_complete(std::string_view name, std::string_view bytes);
+Result<std::vector<Warning>> check_complete(std::string_view name, std::string_view bytes);
 
 }  // namespace sightline::client::importer

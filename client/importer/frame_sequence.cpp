@@ -4,14 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <assimp/Importer.hpp>
 #include <cctype>
 #include <cstddef>
 #include <optional>
 #include <utility>
-
-#include "client/importer/lattice.h"
 
 namespace sightline::client::importer {
 namespace {
@@ -115,17 +112,12 @@ Pose pose_of(ImportedScene& frame, const std::vector<bool>& nodes,
 
 // Keeps only the parts of a frame that are compared.
 Result<ImportedScene> read_frame(const std::string& file, const ImportOptions& options,
-                                 const ImportedScene& first, const std::array<double, 3>& offset,
-                                 const std::string& first_file) {
-  auto frame = import_unrebased(file, options);
+                                 const ImportedScene& first, const std::string& first_file) {
+  auto frame = import_scene(file, options);
   if (!frame) return frame.error();
   if (const auto different = difference(first, *frame)) {
     return import_error(
         fmt::format("{}: not the topology of {}: {}", file, first_file, *different));
-  }
-  if (!shift(*frame, offset)) {
-    return import_error(fmt::format(
-        "{}: lies too far from where {} lies to be held exactly on its lattice", file, first_file));
   }
   for (ImportedMesh& mesh : frame->meshes) mesh.faces = {};
   return frame;
@@ -161,14 +153,15 @@ Result<FrameSequence> import_sequence(const std::filesystem::path& folder,
   sequence.files = *std::move(files);
   std::vector<ImportedScene> frames;
   const std::string& first_file = sequence.files.front();
-  auto first = import_unrebased(first_file, options);
+  auto first = import_animated_scene(first_file, options);
   if (!first) return first.error();
-  sequence.scene = *std::move(first);
-  const std::array<double, 3> offset = rebase(sequence.scene);
+  sequence.scene = std::move(first->scene);
+  ImportOptions like_first = options;
+  like_first.offset = first->rig.offset;
   for (const std::string& file : sequence.files) {
-    auto frame = read_frame(file, options, sequence.scene, offset, first_file);
+    auto frame = read_frame(file, like_first, sequence.scene, first_file);
     if (!frame) return frame.error();
-    std::vector<std::string>& warnings = sequence.scene.warnings;
+    std::vector<Warning>& warnings = sequence.scene.warnings;
     if (file != first_file)
       warnings.insert(warnings.end(), frame->warnings.begin(), frame->warnings.end());
     frames.push_back(*std::move(frame));

@@ -32,7 +32,7 @@ bool has_area(const Vertex& a, const Vertex& b, const Vertex& c) {
 }
 
 struct Contents {
-  std::uint64_t vertices = 0, triangles = 0, lines_and_points = 0, uncut_polygons = 0;
+  std::uint64_t vertices = 0, triangles = 0, lines_and_points = 0;
   std::uint64_t points = 0;  // vertices of meshes that have points, or no faces
   std::uint64_t placed = 0;  // triangles of meshes that nodes carry
   std::uint64_t finite = 0;  // those of them without a bad vertex
@@ -43,7 +43,6 @@ void count(const ImportedMesh& mesh, Contents& contents) {
   contents.vertices += mesh.vertices.size();
   contents.triangles += mesh.triangles;
   contents.lines_and_points += mesh.lines_and_points;
-  contents.uncut_polygons += mesh.uncut_polygons;
   // A line has two vertices, which no other line shares.
   if (mesh.faces.empty() || mesh.lines_and_points == mesh.vertices.size())
     contents.points += mesh.vertices.size();
@@ -85,10 +84,6 @@ std::string why_not_hittable(const ImportedScene& scene, std::string_view file) 
   }
   if (contents.triangles > 0)
     return fmt::format("no node carries one of its {} triangles", contents.triangles);
-  if (contents.uncut_polygons > 0) {
-    return fmt::format("none of its {} polygons can be cut into triangles",
-                       contents.uncut_polygons);
-  }
   if (contents.points > 0)
     return fmt::format("it is a point cloud: {} points, and no faces", contents.points);
   if (contents.lines_and_points > 0)

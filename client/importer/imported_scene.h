@@ -26,7 +26,6 @@ struct ImportedMesh {
   std::vector<Face> faces;      ///< by primitive id; all kNoVertex: no triangle
   std::uint64_t triangles = 0;  ///< faces that hold a triangle
   std::uint64_t lines_and_points = 0;
-  std::uint64_t uncut_polygons = 0;
 };
 
 struct ImportedNode {
@@ -39,13 +38,20 @@ struct ImportedNode {
 
 inline constexpr std::size_t kMaxNodeName = 1024;  ///< bytes
 
+/// What is missing or differs from the file, though the file could be read.
+struct Warning {
+  std::string kind;         ///< one or a few words in lower_snake, which stay the same
+  std::uint64_t count = 1;  ///< how often
+  std::string first{};      ///< where first: a node, a mesh and a face; may be empty
+  std::string message{};    ///< a sentence for people, which begins with the path of the file
+};
+
 struct ImportedScene {
   std::vector<ImportedMesh> meshes;
   std::vector<ImportedNode> nodes;    ///< parents before children
   UpAxis up_axis = UpAxis::kUnknown;  ///< of the arrays as they are here
   double meters_per_unit = 0;         ///< 0: the file does not say
-  /// What may be missing or wrong, though the file could be read; each with its path.
-  std::vector<std::string> warnings{};
+  std::vector<Warning> warnings{};
 };
 
 struct ImportOptions {
@@ -55,6 +61,8 @@ struct ImportOptions {
   /// The unit of the result, > 0. The scene is scaled if the file states another unit; otherwise
   /// the unit is only recorded.
   std::optional<double> meters_per_unit;
+  /// The offset of the vertices (Rig::offset), to be that of another file. It is chosen if unset.
+  std::optional<std::array<double, 3>> offset{};
 };
 
 /// The error of a file that cannot be imported.

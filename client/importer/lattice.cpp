@@ -26,20 +26,19 @@ struct Bounds {
   double extent() const { return std::max({hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]}); }
 };
 
-bool is_finite(const Vertex& v) {
+bool is_finite(const Point& v) {
   return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
 }
 
-Bounds bounds_of(const std::vector<ImportedMesh>& meshes) {
+Bounds bounds_of(const std::vector<FileMesh>& meshes) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Bounds bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-  for (const ImportedMesh& mesh : meshes) {
-    for (const Vertex& v : mesh.vertices) {
+  for (const FileMesh& mesh : meshes) {
+    for (const Point& v : mesh.vertices) {
       if (!is_finite(v)) continue;
       for (std::size_t k = 0; k < 3; ++k) {
-        const auto x = static_cast<double>(v[k]);
-        bounds.lo[k] = std::min(bounds.lo[k], x);
-        bounds.hi[k] = std::max(bounds.hi[k], x);
+        bounds.lo[k] = std::min(bounds.lo[k], v[k]);
+        bounds.hi[k] = std::max(bounds.hi[k], v[k]);
       }
     }
   }
@@ -107,25 +106,25 @@ std::optional<std::vector<ImportedNode>> moved(std::vector<ImportedNode> nodes,
   return nodes;
 }
 
-void subtract(const Offset& offset, Vertex& v) {
+void subtract(const Offset& offset, Point& v) {
   for (std::size_t k = 0; k < 3; ++k) {
-    if (offset[k] != 0) v[k] = static_cast<float>(static_cast<double>(v[k]) - offset[k]);
+    if (offset[k] != 0) v[k] -= offset[k];
   }
 }
 
 // Whether `subtract` loses nothing.
-bool is_exact(const Offset& offset, const Vertex& v) {
+bool is_exact(const Offset& offset, const Point& v) {
   for (std::size_t k = 0; k < 3; ++k) {
-    const auto difference = exact_sum(static_cast<double>(v[k]), -offset[k]);
+    const auto difference = exact_sum(v[k], -offset[k]);
     if (!difference || static_cast<double>(static_cast<float>(*difference)) != *difference)
       return false;
   }
   return true;
 }
 
-bool is_exact(const Offset& offset, const std::vector<ImportedMesh>& meshes) {
-  for (const ImportedMesh& mesh : meshes) {
-    for (const Vertex& v : mesh.vertices) {
+bool is_exact(const Offset& offset, const std::vector<FileMesh>& meshes) {
+  for (const FileMesh& mesh : meshes) {
+    for (const Point& v : mesh.vertices) {
       if (is_finite(v) && !is_exact(offset, v)) return false;
     }
   }
@@ -134,23 +133,23 @@ bool is_exact(const Offset& offset, const std::vector<ImportedMesh>& meshes) {
 
 }  // namespace
 
-bool shift(ImportedScene& scene, const Offset& offset) {
+bool shift(std::vector<FileMesh>& meshes, std::vector<ImportedNode>& nodes, const Offset& offset) {
   if (offset == Offset{}) return true;
-  if (!is_exact(offset, scene.meshes)) return false;
-  auto nodes = moved(scene.nodes, offset);
-  if (!nodes) return false;
-  scene.nodes = *std::move(nodes);
-  for (ImportedMesh& mesh : scene.meshes) {
-    for (Vertex& v : mesh.vertices) {
+  if (!is_exact(offset, meshes)) return false;
+  auto with_offset = moved(nodes, offset);
+  if (!with_offset) return false;
+  nodes = *std::move(with_offset);
+  for (FileMesh& mesh : meshes) {
+    for (Point& v : mesh.vertices) {
       if (is_finite(v)) subtract(offset, v);
     }
   }
   return true;
 }
 
-std::array<double, 3> rebase(ImportedScene& scene) {
-  const Offset offset = offset_for(bounds_of(scene.meshes));
-  return shift(scene, offset) ? offset : Offset{};
+Offset rebase(std::vector<FileMesh>& meshes, std::vector<ImportedNode>& nodes) {
+  const Offset offset = offset_for(bounds_of(meshes));
+  return shift(meshes, nodes, offset) ? offset : Offset{};
 }
 
 }  // namespace sightline::client::importer

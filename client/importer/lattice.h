@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
+#include "client/importer/file_scene.h"
 #include "client/importer/imported_scene.h"
 
 namespace sightline::client::importer {
@@ -24,10 +26,11 @@ inline constexpr double kFar = 16;
 /// Nothing changes if a node that carries a mesh has children, because they would have to be moved
 /// back, or if a translation cannot hold its sum with the offset without rounding. Vertices that
 /// are not finite are not changed.
-std::array<double, 3> rebase(ImportedScene& scene);
+std::array<double, 3> rebase(std::vector<FileMesh>& meshes, std::vector<ImportedNode>& nodes);
 
 /// Subtracts this offset from the vertices, as rebase does. Returns false and changes nothing if
 /// the offset cannot be moved into the nodes without rounding.
-bool shift(ImportedScene& scene, const std::array<double, 3>& offset);
+bool shift(std::vector<FileMesh>& meshes, std::vector<ImportedNode>& nodes,
+           const std::array<double, 3>& offset);
 
 }  // namespace sightline::client::importer

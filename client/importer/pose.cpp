@@ -46,14 +46,8 @@ Transform imported(const ImportedNode& node, const Rig& rig, const Transform& lo
   return out;
 }
 
-std::vector<Point> blended(const ImportedMesh& mesh, const Shapes& shapes,
+std::vector<Point> blended(std::vector<Point> points, const Shapes& shapes,
                            const Deformation& deformation, double seconds) {
-  std::vector<Point> points;
-  points.reserve(mesh.vertices.size());
-  for (const Vertex& v : mesh.vertices) {
-    points.push_back(
-        {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])});
-  }
   if (deformation.weights.keys.empty()) return points;
   const std::vector<double> weights = sample(deformation.weights, seconds);
   for (std::size_t s = 0; s < weights.size() && s < shapes.size(); ++s) {
@@ -68,7 +62,7 @@ std::vector<Point> blended(const ImportedMesh& mesh, const Shapes& shapes,
 }
 
 void put_on(const Skin& skin, const Transform& mesh_from_world, const std::vector<Transform>& world,
-            const Point& offset, std::vector<Point>& points) {
+            std::vector<Point>& points) {
   std::vector<Transform> follows;
   follows.reserve(skin.bones.size());
   for (const Skin::Bone& bone : skin.bones) {
@@ -76,23 +70,22 @@ void put_on(const Skin& skin, const Transform& mesh_from_world, const std::vecto
   }
   for (std::size_t v = 0; v < points.size(); ++v) {
     if (skin.first[v] == skin.first[v + 1]) continue;
-    Point file = points[v];
-    for (std::size_t k = 0; k < 3; ++k) file[k] += offset[k];
     Point sum{};
     for (std::uint32_t i = skin.first[v]; i < skin.first[v + 1]; ++i) {
-      const Point to = follows[skin.influences[i].bone] * file;
+      const Point to = follows[skin.influences[i].bone] * points[v];
       for (std::size_t k = 0; k < 3; ++k) sum[k] += skin.influences[i].weight * to[k];
     }
-    for (std::size_t k = 0; k < 3; ++k) points[v][k] = sum[k] - offset[k];
+    points[v] = sum;
   }
 }
 
-std::vector<Vertex> rounded(const std::vector<Point>& points) {
+// Moved by the offset, and rounded.
+std::vector<Vertex> rounded(const std::vector<Point>& points, const Point& offset) {
   std::vector<Vertex> vertices;
   vertices.reserve(points.size());
   for (const Point& p : points) {
-    vertices.push_back(
-        {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])});
+    vertices.push_back({static_cast<float>(p[0] - offset[0]), static_cast<float>(p[1] - offset[1]),
+                        static_cast<float>(p[2] - offset[2])});
   }
   return vertices;
 }
@@ -112,12 +105,12 @@ Pose pose(const AnimatedScene& animated, const Animation& animation, double seco
   const std::vector<Transform> world = composed(scene.nodes, locals);
   for (const Deformation& deformation : animation.deformations) {
     std::vector<Point> points =
-        blended(scene.meshes[deformation.mesh], rig.shapes[deformation.mesh], deformation, seconds);
+        blended(rig.vertices[deformation.mesh], rig.shapes[deformation.mesh], deformation, seconds);
     const Skin& skin = rig.skins[deformation.mesh];
     if (!skin.bones.empty()) {
-      put_on(skin, inverse(world[deformation.node]), world, rig.offset, points);
+      put_on(skin, inverse(world[deformation.node]), world, points);
     }
-    out.shaped.push_back({{deformation.node}, rounded(points)});
+    out.shaped.push_back({{deformation.node}, rounded(points, rig.offset)});
   }
   return out;
 }

@@ -8,13 +8,17 @@ namespace sightline::client::importer {
 
 template <class Archive>
 void fields(Archive& archive, ImportedMesh& mesh) {
-  archive(mesh.name, mesh.vertices, mesh.faces, mesh.triangles, mesh.lines_and_points,
-          mesh.uncut_polygons);
+  archive(mesh.name, mesh.vertices, mesh.faces, mesh.triangles, mesh.lines_and_points);
 }
 
 template <class Archive>
 void fields(Archive& archive, ImportedNode& node) {
   archive(node.name, node.parent, node.parent_from_local, node.mesh);
+}
+
+template <class Archive>
+void fields(Archive& archive, Warning& warning) {
+  archive(warning.kind, warning.count, warning.first, warning.message);
 }
 
 template <class Archive>
@@ -54,7 +58,8 @@ void fields(Archive& archive, Animation& animation) {
 
 template <class Archive>
 void fields(Archive& archive, Rig& rig) {
-  archive(rig.parent_from_local, rig.scene_from_file, rig.offset, rig.skins, rig.shapes);
+  archive(rig.parent_from_local, rig.scene_from_file, rig.offset, rig.vertices, rig.skins,
+          rig.shapes);
 }
 
 template <class Archive>

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "client/importer/scene_from_assimp.h"
+#include "client/importer/file_scene_from_assimp.h"
 
 namespace sightline::client::importer {
 namespace {
@@ -61,10 +61,8 @@ Result<Skin> skin_from_assimp(const aiMesh& mesh, const NodesByName& nodes) {
       return import_error(fmt::format("mesh '{}': its bone '{}' is no node of the file",
                                       mesh.mName.C_Str(), bone.mName.C_Str()));
     }
-    const auto offset = transform_from_assimp(bone.mOffsetMatrix, bone.mName.C_Str());
-    if (!offset) return offset.error();
     if (const Status good = check(mesh, bone); !good) return good.error();
-    skin.bones.push_back({node->second, *offset});
+    skin.bones.push_back({node->second, transform_from_assimp(bone.mOffsetMatrix)});
   }
   gather(mesh, skin);
   return skin;

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "client/client.h"
-#include "client/importer/lattice.h"
+#include "client/importer/scene_from_file.h"
 #include "client/scene_upload.h"
 #include "server/server.h"
 #include "tests/support/millimetres.h"
@@ -41,6 +41,22 @@ client::importer::ImportedScene plate_at(const Vec3d& position) {
        .parent_from_local = {1, 0, 0, position.x, 0, 1, 0, position.y, 0, 0, 1, position.z},
        .mesh = 0});
   return scene;
+}
+
+// A file of this scene, which has one mesh.
+client::importer::FileScene file_of(const client::importer::ImportedScene& scene) {
+  client::importer::FileScene file;
+  client::importer::FileMesh& mesh = file.meshes.emplace_back();
+  for (const client::Vertex& v : scene.meshes[0].vertices) {
+    mesh.vertices.push_back(
+        {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])});
+  }
+  for (const client::Face& face : scene.meshes[0].faces) {
+    mesh.faces.corners.insert(mesh.faces.corners.end(), face.begin(), face.end());
+    mesh.faces.first.push_back(static_cast<std::uint32_t>(mesh.faces.corners.size()));
+  }
+  file.nodes.push_back({.name = "plate", .meshes = {0}});
+  return file;
 }
 
 std::vector<Ray> moved(std::vector<Ray> rays, const Vec3d& by) {
@@ -117,10 +133,11 @@ TEST_F(Millimetres, ARebasedFileGivesTheSameAnswers) {
     v[0] += static_cast<float>(far.x);
     v[2] += static_cast<float>(far.z);
   }
-  client::importer::ImportedScene brought = stood;
-  ASSERT_EQ(client::importer::rebase(brought), (std::array<double, 3>{far.x, 0, far.z}));
+  const auto brought = client::importer::scene_from_file(file_of(stood), {});
+  ASSERT_TRUE(brought.ok()) << brought.error().message;
+  ASSERT_EQ(brought->rig.offset, (std::array<double, 3>{far.x, 0, far.z}));
   ASSERT_NO_FATAL_FAILURE(upload(kHere, stood));
-  ASSERT_NO_FATAL_FAILURE(upload(kThere, brought));
+  ASSERT_NO_FATAL_FAILURE(upload(kThere, brought->scene));
   const std::vector<Ray> rays = moved(kilometre_rays(kRays, 2, 30), far);
   const std::vector<Hit> a = cast(kHere, rays), b = cast(kThere, rays);
   std::size_t hits = 0;

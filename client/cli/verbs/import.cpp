@@ -13,6 +13,7 @@
 
 #include "client/cli/flags.h"
 #include "client/cli/terminal.h"
+#include "client/cli/verbs/import_warnings.h"
 #include "client/importer/assimp_import.h"
 #include "client/importer/hittable.h"
 #include "client/scene_upload.h"
@@ -40,8 +41,7 @@ struct FileReport {
   std::uint64_t meshes = 0;
   std::uint64_t triangles = 0;
   std::uint64_t lines_and_points = 0;
-  std::uint64_t uncut_polygons = 0;
-  std::vector<std::string> warnings;
+  std::vector<importer::Warning> warnings;
 };
 
 FileReport count(const importer::ImportedScene& scene) {
@@ -51,7 +51,6 @@ FileReport count(const importer::ImportedScene& scene) {
   for (const importer::ImportedMesh& mesh : scene.meshes) {
     counts.triangles += mesh.triangles;
     counts.lines_and_points += mesh.lines_and_points;
-    counts.uncut_polygons += mesh.uncut_polygons;
   }
   return counts;
 }
@@ -74,7 +73,9 @@ Status check_hittable(const ImportArguments& arguments, importer::ImportedScene&
                              arguments.file, why),
                  {}};
   }
-  scene.warnings.push_back(fmt::format("{}: no ray can hit it: {}", arguments.file, why));
+  scene.warnings.push_back(
+      {.kind = "not_hittable",
+       .message = fmt::format("{}: no ray can hit it: {}", arguments.file, why)});
   return {};
 }
 
@@ -116,10 +117,6 @@ void print_report(const SceneInfo& scene, const FileReport& file, double seconds
              scene.triangles_instanced);
   if (file.lines_and_points > 0)
     fmt::print("  left out   {} lines and points\n", file.lines_and_points);
-  if (file.uncut_polygons > 0) {
-    fmt::print("  left out   {} polygons that could not be cut into triangles\n",
-               file.uncut_polygons);
-  }
   if (scene.triangles_nonfinite > 0) {
     fmt::print("  never hit  {} triangles with a vertex that is not finite\n",
                scene.triangles_nonfinite);
@@ -142,11 +139,10 @@ void report(const Session& session, const SceneInfo& scene, const FileReport& fi
               {"meshes_in_file", file.meshes},
               {"triangles_in_file", file.triangles},
               {"lines_and_points_skipped", file.lines_and_points},
-              {"polygons_skipped", file.uncut_polygons},
               {"triangles_nonfinite", scene.triangles_nonfinite},
               {"up_axis", json_of_axis(scene.up_axis)},
               {"meters_per_unit", json_of_unit(scene.meters_per_unit)},
-              {"warnings", file.warnings},
+              {"warnings", json_of_warnings(file.warnings)},
               {"seconds", seconds}});
 }
 
@@ -160,7 +156,7 @@ ExitCode run(const Session& session, const ImportArguments& arguments) {
   auto imported = read_file(arguments);
   if (!imported) return fail(imported.error());
   const Status hittable = check_hittable(arguments, *imported);
-  print_warnings(imported->warnings);
+  print_import_warnings(imported->warnings);
   if (!hittable) return fail(hittable.error());
   const Interrupt interrupt;
   const auto scene = send(*client, arguments, *imported, interrupt.token());

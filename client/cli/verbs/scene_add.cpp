@@ -11,6 +11,7 @@
 #include "client/cli/nodes.h"
 #include "client/cli/playback/target.h"
 #include "client/cli/terminal.h"
+#include "client/cli/verbs/import_warnings.h"
 #include "client/cli/verbs/verbs.h"
 #include "client/importer/affine.h"
 #include "client/importer/assimp_import.h"
@@ -63,7 +64,7 @@ ExitCode run(const Session& session, const AddArguments& arguments) {
   if (!parent) return fail(parent.error());
   auto nodes = read_file(arguments, *scene);
   if (!nodes) return fail(nodes.error());
-  print_warnings(nodes->warnings);
+  print_import_warnings(nodes->warnings);
   for (importer::ImportedNode& node : nodes->nodes) {
     if (node.parent == importer::kNone) node.parent_from_local = transform * node.parent_from_local;
   }
@@ -72,7 +73,9 @@ ExitCode run(const Session& session, const AddArguments& arguments) {
   if (!ids && interrupt.happened()) return say_interrupted();
   if (!ids) return fail(ids.error());
   if (session.json) {
-    print_json({{"scene", arguments.scene}, {"nodes", *ids}});
+    print_json({{"scene", arguments.scene},
+                {"nodes", *ids},
+                {"warnings", json_of_warnings(nodes->warnings)}});
   } else {
     fmt::print("{}: {} nodes added\n  nodes  {}\n", arguments.scene, format_count(ids->size()),
                fmt::join(*ids, " "));

@@ -18,6 +18,7 @@
 #include "client/cli/playback/playback.h"
 #include "client/cli/playback/target.h"
 #include "client/cli/terminal.h"
+#include "client/cli/verbs/import_warnings.h"
 
 namespace sightline::client::cli::verbs {
 namespace {
@@ -122,6 +123,7 @@ Json json_of(const StreamArguments& arguments, const playback::Motion& motion,
           {"bytes_sent", report.stream.bytes_sent},
           {"revision", report.stream.revision},
           {"token", report.stream.token},
+          {"warnings", json_of_warnings(motion.scene.warnings)},
           {"complete", complete}};
 }
 
@@ -162,7 +164,7 @@ ExitCode run(const Session& session, StreamArguments& arguments) {
   if (scene) arguments.motion.frame = playback::frame_of(*scene);
   const auto motion = read_motion(arguments);
   if (!motion) return fail(motion.error());
-  print_warnings(motion->scene.warnings);
+  print_import_warnings(motion->scene.warnings);
   const Interrupt interrupt;
   const auto target =
       playback::prepare_target(*client, arguments.target, *motion, scene.ok(), interrupt.token());

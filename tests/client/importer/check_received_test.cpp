@@ -19,13 +19,14 @@ namespace {
 /// One triangle with a skin of one bone, a shape, and an animation of both.
 AnimatedScene small_scene() {
   AnimatedScene out;
-  const ImportedMesh mesh{"mesh", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, 1, 0, 0};
+  const ImportedMesh mesh{"mesh", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, 1, 0};
   out.scene.meshes.push_back(mesh);
   out.scene.nodes.push_back({.name = "root"});
   out.scene.nodes.push_back({.name = "child", .parent = 0, .mesh = 0});
   out.scene.meters_per_unit = 1;
-  out.scene.warnings = {"a warning"};
+  out.scene.warnings = {{"cut_off", 2, "mesh 'a'", "a warning"}};
   out.rig.parent_from_local = {kIdentity, kIdentity};
+  out.rig.vertices.push_back({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
   out.rig.skins.push_back({{{1, kIdentity}}, {0, 1, 1, 1}, {{0, 1.0}}});
   out.rig.shapes.push_back({{{0, 0, 1}, {0, 0, 1}, {0, 0, 1}}});
   Animation animation;
@@ -101,7 +102,7 @@ TEST(CheckReceived, FindsEveryBrokenGuarantee) {
       [](AnimatedScene& s) { s.scene.meshes[0].faces[0][1] = 3; },
       [](AnimatedScene& s) { s.scene.meshes[0].faces[0][1] = kNoVertex; },
       [](AnimatedScene& s) { s.scene.meshes[0].triangles = 2; },
-      [](AnimatedScene& s) { s.scene.meshes[0].uncut_polygons = 1; },
+      [](AnimatedScene& s) { s.scene.meshes[0].lines_and_points = 1; },
       [](AnimatedScene& s) { s.scene.meshes[0].name = "\xff"; },
       [](AnimatedScene& s) { s.scene.nodes[1].parent = 1; },
       [](AnimatedScene& s) { s.scene.nodes[1].mesh = 1; },
@@ -112,6 +113,8 @@ TEST(CheckReceived, FindsEveryBrokenGuarantee) {
       [](AnimatedScene& s) { s.scene.meters_per_unit = INFINITY; },
       [](AnimatedScene& s) { s.rig.parent_from_local.pop_back(); },
       [](AnimatedScene& s) { s.rig.skins.clear(); },
+      [](AnimatedScene& s) { s.rig.vertices.clear(); },
+      [](AnimatedScene& s) { s.rig.vertices[0].clear(); },
       [](AnimatedScene& s) { s.rig.shapes[0][0].pop_back(); },
       [](AnimatedScene& s) { s.rig.skins[0].bones[0].node = 2; },
       [](AnimatedScene& s) {

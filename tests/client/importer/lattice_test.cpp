@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "client/importer/assimp_import.h"
-#include "client/mesh_blob.h"
+#include "client/importer/file_scene.h"
 #include "tests/client/support/temp_dir.h"
 #include "tests/support/random.h"
 
@@ -22,35 +22,41 @@ using Rows = std::array<double, 12>;
 constexpr Rows kIdentity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 constexpr Offset kNowhere{};
 
-ImportedMesh mesh_of(std::vector<Vertex> vertices) {
-  ImportedMesh mesh;
+struct Scene {
+  std::vector<FileMesh> meshes;
+  std::vector<ImportedNode> nodes;
+};
+
+Offset rebase(Scene& scene) { return importer::rebase(scene.meshes, scene.nodes); }
+
+FileMesh mesh_of(std::vector<Point> vertices) {
+  FileMesh mesh;
   mesh.vertices = std::move(vertices);
-  for (std::uint32_t i = 0; i + 2 < mesh.vertices.size(); ++i)
-    mesh.faces.push_back({i, i + 1, i + 2});
-  mesh.triangles = mesh.faces.size();
   return mesh;
 }
 
 // One node for each mesh, without a parent.
-ImportedScene scene_of(std::vector<ImportedMesh> meshes) {
-  ImportedScene scene;
+Scene scene_of(std::vector<FileMesh> meshes) {
+  Scene scene;
   scene.meshes = std::move(meshes);
   for (std::uint32_t i = 0; i < scene.meshes.size(); ++i)
     scene.nodes.push_back({.name = std::to_string(i), .mesh = i});
   return scene;
 }
 
-std::vector<Vertex> scattered(const Offset& middle, double extent, std::size_t n,
-                              tests::Random& random) {
-  std::vector<Vertex> vertices(n);
-  for (Vertex& v : vertices) {
-    for (std::size_t k = 0; k < 3; ++k)
-      v[k] = static_cast<float>(middle[k] + random.uniform(-extent / 2, extent / 2));
-  }
+// All coordinates are floats.
+std::vector<Point> scattered(const Offset& middle, double extent, std::size_t n,
+                             tests::Random& random) {
+  std::vector<float> floats(3 * n);
+  for (std::size_t i = 0; i < floats.size(); ++i)
+    floats[i] = static_cast<float>(middle[i % 3] + random.uniform(-extent / 2, extent / 2));
+  std::vector<Point> vertices(n);
+  for (std::size_t i = 0; i < floats.size(); ++i)
+    vertices[i / 3][i % 3] = static_cast<double>(floats[i]);
   return vertices;
 }
 
-bool same(const ImportedScene& a, const ImportedScene& b) {
+bool same(const Scene& a, const Scene& b) {
   if (a.nodes.size() != b.nodes.size() || a.meshes.size() != b.meshes.size()) return false;
   for (std::size_t i = 0; i < a.nodes.size(); ++i) {
     if (a.nodes[i].parent_from_local != b.nodes[i].parent_from_local) return false;
@@ -61,16 +67,16 @@ bool same(const ImportedScene& a, const ImportedScene& b) {
   return true;
 }
 
-void expect_untouched(const ImportedScene& scene) {
-  ImportedScene after = scene;
+void expect_untouched(const Scene& scene) {
+  Scene after = scene;
   EXPECT_EQ(rebase(after), kNowhere);
   EXPECT_TRUE(same(scene, after));
 }
 
 TEST(Lattice, TheOffsetIsAMultipleOfTheExtentAsAPowerOfTwo) {
-  ImportedScene scene = scene_of({mesh_of({{1000, 0, -4000}, {1003, 1, -4000}, {1001, 2, -3998}})});
+  Scene scene = scene_of({mesh_of({{1000, 0, -4000}, {1003, 1, -4000}, {1001, 2, -3998}})});
   EXPECT_EQ(rebase(scene), (Offset{1000, 0, -4000}));
-  EXPECT_EQ(scene.meshes[0].vertices, (std::vector<Vertex>{{0, 0, 0}, {3, 1, 0}, {1, 2, 2}}));
+  EXPECT_EQ(scene.meshes[0].vertices, (std::vector<Point>{{0, 0, 0}, {3, 1, 0}, {1, 2, 2}}));
   EXPECT_EQ(scene.nodes[0].parent_from_local, (Rows{1, 0, 0, 1000, 0, 1, 0, 0, 0, 0, 1, -4000}));
 }
 
@@ -82,16 +88,16 @@ TEST(Lattice, KeepsWorldPositionsToTheLastBit) {
     Offset middle{};
     for (double& x : middle)
       x = extent * std::exp2(random.uniform(-3, 30)) * (random.below(2) ? 1 : -1);
-    const ImportedScene before = scene_of({mesh_of(scattered(middle, extent, 40, random)),
-                                           mesh_of(scattered(middle, extent, 40, random))});
-    ImportedScene after = before;
+    const Scene before = scene_of({mesh_of(scattered(middle, extent, 40, random)),
+                                   mesh_of(scattered(middle, extent, 40, random))});
+    Scene after = before;
     const Offset offset = rebase(after);
     rebased += offset != kNowhere;
     for (std::size_t m = 0; m < before.meshes.size(); ++m) {
       for (std::size_t i = 0; i < before.meshes[m].vertices.size(); ++i) {
         for (std::size_t k = 0; k < 3; ++k) {
-          const auto was = static_cast<double>(before.meshes[m].vertices[i][k]);
-          const auto is = static_cast<double>(after.meshes[m].vertices[i][k]);
+          const double was = before.meshes[m].vertices[i][k];
+          const double is = after.meshes[m].vertices[i][k];
           ASSERT_EQ(was - offset[k], is) << "round " << round;
           ASSERT_EQ(is + offset[k], was) << "round " << round;
         }
@@ -104,7 +110,7 @@ TEST(Lattice, KeepsWorldPositionsToTheLastBit) {
 }
 
 TEST(Lattice, AMeshOfSeveralNodesIsRebasedInEachOfThem) {
-  ImportedScene scene = scene_of({mesh_of({{4096, 0, 0}, {4097, 0, 0}, {4096, 1, 0}})});
+  Scene scene = scene_of({mesh_of({{4096, 0, 0}, {4097, 0, 0}, {4096, 1, 0}})});
   scene.nodes = {{.name = "root", .parent_from_local = {1, 0, 0, 5, 0, 1, 0, 0, 0, 0, 1, 0}},
                  {.name = "still", .parent = 0, .mesh = 0},
                  {.name = "turned",
@@ -118,26 +124,23 @@ TEST(Lattice, AMeshOfSeveralNodesIsRebasedInEachOfThem) {
 }
 
 TEST(Lattice, RemovesATranslationThatUndidTheOffset) {
-  ImportedScene scene = scene_of({mesh_of({{4e6f, 0, 0}, {4e6f + 1, 0, 0}, {4e6f, 1, 0}})});
+  Scene scene = scene_of({mesh_of({{4e6, 0, 0}, {4e6 + 1, 0, 0}, {4e6, 1, 0}})});
   scene.nodes[0].parent_from_local[3] = -4e6;
   rebase(scene);
   EXPECT_EQ(scene.nodes[0].parent_from_local, kIdentity);
 }
 
 TEST(Lattice, TouchingMeshesAndEqualMeshesStaySo) {
-  const std::vector<Vertex> left{{5000.25f, 0, 0}, {5001.5f, 0, 0}, {5001.5f, 1, 0}};
-  const std::vector<Vertex> right{{5001.5f, 0, 0}, {5002.75f, 0, 0}, {5001.5f, 1, 0}};
+  const std::vector<Point> left{{5000.25, 0, 0}, {5001.5, 0, 0}, {5001.5, 1, 0}};
+  const std::vector<Point> right{{5001.5, 0, 0}, {5002.75, 0, 0}, {5001.5, 1, 0}};
   // A copy of the first, moved: a different mesh before and after.
-  const std::vector<Vertex> moved{{5002.25f, 0, 0}, {5003.5f, 0, 0}, {5003.5f, 1, 0}};
-  ImportedScene scene = scene_of({mesh_of(left), mesh_of(right), mesh_of(moved), mesh_of(left)});
+  const std::vector<Point> moved{{5002.25, 0, 0}, {5003.5, 0, 0}, {5003.5, 1, 0}};
+  Scene scene = scene_of({mesh_of(left), mesh_of(right), mesh_of(moved), mesh_of(left)});
   EXPECT_NE(rebase(scene), kNowhere);
   EXPECT_EQ(scene.meshes[0].vertices[1], scene.meshes[1].vertices[0]);
   EXPECT_EQ(scene.meshes[0].vertices[2], scene.meshes[1].vertices[2]);
-  const auto digest = [&](std::size_t i) {
-    return MeshBlob(scene.meshes[i].vertices, scene.meshes[i].faces).digest();
-  };
-  EXPECT_EQ(digest(0), digest(3));
-  EXPECT_NE(digest(0), digest(2));
+  EXPECT_EQ(scene.meshes[0].vertices, scene.meshes[3].vertices);
+  EXPECT_NE(scene.meshes[0].vertices, scene.meshes[2].vertices);
   for (const ImportedNode& node : scene.nodes)
     EXPECT_EQ(node.parent_from_local, scene.nodes[0].parent_from_local);
 }
@@ -145,29 +148,29 @@ TEST(Lattice, TouchingMeshesAndEqualMeshesStaySo) {
 TEST(Lattice, NearScenesDoNotChange) {
   expect_untouched(scene_of({}));
   expect_untouched(scene_of({mesh_of({})}));
-  expect_untouched(scene_of({mesh_of({{15, 15, 15}, {15.75f, 15, 15}, {15, 15.5f, 15}})}));
+  expect_untouched(scene_of({mesh_of({{15, 15, 15}, {15.75, 15, 15}, {15, 15.5, 15}})}));
   // All vertices in one point: there is no extent to compare a distance with.
-  expect_untouched(scene_of({mesh_of({{1e6f, 1e6f, 1e6f}, {1e6f, 1e6f, 1e6f}})}));
+  expect_untouched(scene_of({mesh_of({{1e6, 1e6, 1e6}, {1e6, 1e6, 1e6}})}));
   // Far, but on both sides of the origin.
-  expect_untouched(scene_of({mesh_of({{-1e6f, 0, 0}, {1e6f, 1, 0}, {1e6f, 0, 1}})}));
+  expect_untouched(scene_of({mesh_of({{-1e6, 0, 0}, {1e6, 1, 0}, {1e6, 0, 1}})}));
 }
 
 TEST(Lattice, NonFiniteVerticesAreIgnoredAndKept) {
-  const float nan = std::numeric_limits<float>::quiet_NaN();
-  const float inf = std::numeric_limits<float>::infinity();
-  ImportedScene scene =
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double inf = std::numeric_limits<double>::infinity();
+  Scene scene =
       scene_of({mesh_of({{1024, 0, 0}, {1025, 0, 0}, {1024, 1, 0}, {nan, 1, 0}, {1024, -inf, 0}})});
   EXPECT_EQ(rebase(scene), (Offset{1024, 0, 0}));
-  EXPECT_EQ(scene.meshes[0].vertices[1], (Vertex{1, 0, 0}));
+  EXPECT_EQ(scene.meshes[0].vertices[1], (Point{1, 0, 0}));
   EXPECT_TRUE(std::isnan(scene.meshes[0].vertices[3][0]));
-  EXPECT_EQ(scene.meshes[0].vertices[4], (Vertex{1024, -inf, 0}));
-  ImportedScene none = scene_of({mesh_of({{nan, nan, nan}, {inf, inf, inf}})});
+  EXPECT_EQ(scene.meshes[0].vertices[4], (Point{1024, -inf, 0}));
+  Scene none = scene_of({mesh_of({{nan, nan, nan}, {inf, inf, inf}})});
   EXPECT_EQ(rebase(none), kNowhere);
 }
 
 TEST(Lattice, NodesThatCannotBeMovedPreventTheRebase) {
   const auto far = mesh_of({{4096, 0, 0}, {4097, 0, 0}, {4096, 1, 0}});
-  ImportedScene scene = scene_of({far, far});
+  Scene scene = scene_of({far, far});
   scene.nodes[1].parent = 0;  // It would move with the node above it
   expect_untouched(scene);
   scene = scene_of({far, far});

@@ -1,5 +1,5 @@
 // Assimp scenes that no valid file produces.
-#include "client/importer/read_scene.h"
+#include "client/importer/file_scene_from_assimp.h"
 
 #include <assimp/scene.h>
 #include <gtest/gtest.h>
@@ -7,6 +7,11 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "client/importer/scene_from_file.h"
 
 namespace sightline::client::importer {
 namespace {
@@ -57,8 +62,14 @@ std::unique_ptr<aiScene> moving_triangle(unsigned shape) {
   return scene;
 }
 
-template <class T>
-std::string error_of(const Result<T>& result) {
+Result<AnimatedScene> convert(const aiScene& source, std::string_view importer_name,
+                              const ImportOptions& options = {}) {
+  auto file = file_scene_from_assimp(source, importer_name);
+  if (!file) return file.error();
+  return scene_from_file(*std::move(file), options);
+}
+
+std::string error_of(const Result<AnimatedScene>& result) {
   return result ? "" : result.error().message;
 }
 
@@ -66,8 +77,7 @@ TEST(Convert, RefusesVerticesWithoutPositions) {
   const auto scene = triangle();
   delete[] scene->mMeshes[0]->mVertices;
   scene->mMeshes[0]->mVertices = nullptr;
-  EXPECT_NE(error_of(convert_scene(*scene, "", {})).find("3 vertices and no positions"),
-            std::string::npos);
+  EXPECT_NE(error_of(convert(*scene, "")).find("3 vertices and no positions"), std::string::npos);
 }
 
 TEST(Convert, AnInvalidFbxUnitIsUnknown) {
@@ -75,10 +85,10 @@ TEST(Convert, AnInvalidFbxUnitIsUnknown) {
     const auto scene = triangle();
     scene->mMetaData = new aiMetadata;
     scene->mMetaData->Add("UnitScaleFactor", centimeters);
-    const auto converted = convert_scene(*scene, "Autodesk FBX Importer", {{}, 0.5});
+    const auto converted = convert(*scene, "Autodesk FBX Importer", {{}, 0.5});
     ASSERT_TRUE(converted) << error_of(converted);
-    EXPECT_EQ(converted->meters_per_unit, 0.5);
-    EXPECT_EQ(converted->nodes[0].parent_from_local, kIdentity) << centimeters;
+    EXPECT_EQ(converted->scene.meters_per_unit, 0.5);
+    EXPECT_EQ(converted->scene.nodes[0].parent_from_local, kIdentity) << centimeters;
   }
 }
 
@@ -86,26 +96,26 @@ TEST(Convert, RefusesATransformThatAUnitConversionMakesInfinite) {
   const auto scene = triangle();
   scene->mRootNode->mTransformation.a1 = 1e20f;
   const ImportOptions tiny{{}, 1e-300};
-  EXPECT_NE(error_of(convert_scene(*scene, "glTF2 Importer", tiny)).find("node 'root'"),
+  EXPECT_NE(error_of(convert(*scene, "glTF2 Importer", tiny)).find("node 'root'"),
             std::string::npos);
-  EXPECT_FALSE(convert_animated_scene(*scene, "glTF2 Importer", tiny));
-  EXPECT_TRUE(convert_scene(*scene, "glTF2 Importer", {{}, 1e-200}));
+  EXPECT_FALSE(convert(*scene, "glTF2 Importer", tiny));
+  EXPECT_TRUE(convert(*scene, "glTF2 Importer", {{}, 1e-200}));
 }
 
 TEST(Convert, RefusesAnInfiniteDuration) {
   for (const double duration : {kInf, kNaN}) {
     const auto scene = moving_triangle(0);
     scene->mAnimations[0]->mDuration = duration;
-    EXPECT_NE(error_of(convert_animated_scene(*scene, "", {})).find("lasts"), std::string::npos);
+    EXPECT_NE(error_of(convert(*scene, "")).find("lasts"), std::string::npos);
   }
   const auto scene = moving_triangle(0);
   scene->mAnimations[0]->mTicksPerSecond = 1e-310;
-  EXPECT_FALSE(convert_animated_scene(*scene, "", {}));
+  EXPECT_FALSE(convert(*scene, ""));
 }
 
 TEST(Convert, WeightsOfMissingShapesMoveNothing) {
   const auto scene = moving_triangle(4000000000U);
-  const auto animated = convert_animated_scene(*scene, "", {});
+  const auto animated = convert(*scene, "");
   ASSERT_TRUE(animated) << error_of(animated);
   const auto& keys = animated->animations.at(0).deformations.at(0).weights.keys;
   EXPECT_EQ(keys.at(0).value, std::vector<double>{0.5});

@@ -48,7 +48,7 @@ TEST(Stranger, AMaterialElsewhereIsAWarning) {
       import_scene(dir.write("a.obj", "mtllib /etc/passwd\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
   ASSERT_TRUE(scene) << error_of(scene);
   ASSERT_EQ(scene->warnings.size(), 1U);
-  EXPECT_EQ(scene->warnings[0],
+  EXPECT_EQ(scene->warnings[0].message,
             dir.path("a.obj") +
                 ": it names '/etc/passwd', which is outside the folder of the scene file");
 }

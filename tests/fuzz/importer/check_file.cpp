@@ -21,7 +21,7 @@
 #include <string_view>
 #include <utility>
 
-#include "client/importer/lattice.h"
+#include "client/importer/assimp_file.h"
 #include "client/importer/preflight.h"
 #include "client/importer/read_scene.h"
 #include "tests/fuzz/importer/check_imported.h"
@@ -170,26 +170,11 @@ class Taster {
   int questions_ = -1, answers_ = -1;
 };
 
-template <class Scene>
-std::optional<std::string> refusal(const client::Result<Scene>& scene) {
-  if (scene.ok() || !scene.error().message.empty()) return {};
-  return "refused without a word";
-}
-
 FileReport import(const NamedFile& file) {
-  auto plain = client::importer::read_scene(file.name, file.source());
-  if (plain) client::importer::rebase(*plain);
-  const auto animated = client::importer::read_animated_scene(file.name, file.source());
-  FileReport report{animated ? FileOutcome::kTaken : FileOutcome::kRefused, {}};
-  if ((report.wrong = refusal(plain)) || (report.wrong = refusal(animated))) return report;
-  if (!plain) {
-    if (animated) report.wrong = "only taken if animated";
-    return report;
-  }
-  if ((report.wrong = check_imported(*plain)) || !animated) return report;
-  report.wrong = difference(*plain, animated->scene);
-  if (!report.wrong) report.wrong = check_animated(*animated);
-  return report;
+  const auto scene = client::importer::read_scene(file.name, file.source());
+  if (scene) return {FileOutcome::kTaken, check_animated(*scene)};
+  if (!scene.error().message.empty()) return {FileOutcome::kRefused, {}};
+  return {FileOutcome::kRefused, "refused without a word"};
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <string_view>
 
 #include "client/calls/scene_check.h"
@@ -74,8 +73,7 @@ Wrong check_mesh(const ImportedMesh& mesh) {
       if (v >= mesh.vertices.size()) return fmt::format("vertex {} of {}", v, mesh.vertices.size());
     }
   }
-  if (triangles != mesh.triangles ||
-      mesh.faces.size() != triangles + mesh.lines_and_points + mesh.uncut_polygons)
+  if (triangles != mesh.triangles || mesh.faces.size() != triangles + mesh.lines_and_points)
     return "faces do not add up";
   return {};
 }
@@ -178,10 +176,6 @@ Wrong check_animation(const AnimatedScene& animated, const Animation& animation)
   return check_poses(animated, animation);
 }
 
-bool equal_bits(const void* a, const void* b, std::size_t bytes) {
-  return bytes == 0 || std::memcmp(a, b, bytes) == 0;
-}
-
 }  // namespace
 
 std::optional<std::string> check_imported(const ImportedScene& scene) {
@@ -207,27 +201,6 @@ std::optional<std::string> check_animated(const AnimatedScene& animated) {
   if (auto wrong = check_rig(animated)) return wrong;
   for (const Animation& animation : animated.animations) {
     if (auto wrong = check_animation(animated, animation)) return wrong;
-  }
-  return {};
-}
-
-std::optional<std::string> difference(const ImportedScene& a, const ImportedScene& b) {
-  if (a.nodes.size() != b.nodes.size() || a.meshes.size() != b.meshes.size())
-    return "other nodes or meshes";
-  if (a.up_axis != b.up_axis || a.meters_per_unit != b.meters_per_unit) return "another frame";
-  for (std::size_t i = 0; i < a.nodes.size(); ++i) {
-    const ImportedNode &one = a.nodes[i], &other = b.nodes[i];
-    if (one.name != other.name || one.parent != other.parent || one.mesh != other.mesh ||
-        one.parent_from_local != other.parent_from_local)
-      return fmt::format("another node {}", i);
-  }
-  for (std::size_t m = 0; m < a.meshes.size(); ++m) {
-    const ImportedMesh &one = a.meshes[m], &other = b.meshes[m];
-    const bool alike = one.name == other.name && one.faces == other.faces &&
-                       one.vertices.size() == other.vertices.size() &&
-                       equal_bits(one.vertices.data(), other.vertices.data(),
-                                  one.vertices.size() * sizeof(client::Vertex));
-    if (!alike) return fmt::format("another mesh {}", m);
   }
   return {};
 }

@@ -17,8 +17,4 @@ std::optional<std::string> check_imported(const client::importer::ImportedScene&
 /// The same for the scene and its animations, and for poses at many times.
 std::optional<std::string> check_animated(const client::importer::AnimatedScene& animated);
 
-/// Where two imports of one file differ in any bit.
-std::optional<std::string> difference(const client::importer::ImportedScene& a,
-                                      const client::importer::ImportedScene& b);
-
 }  // namespace sightline::tests

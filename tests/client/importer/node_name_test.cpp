@@ -1,5 +1,5 @@
 // Node names that fit into a message.
-#include "client/importer/scene_from_assimp.h"
+#include "client/importer/node_name.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,252 @@
+// Converts nodes first, then animations, then vertices and faces.
+#include "client/importer/scene_from_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "client/importer/frame.h"
+#include "client/importer/lattice.h"
+#include "client/importer/node_name.h"
+#include "client/importer/triangulate.h"
+
+namespace sightline::client::importer {
+namespace {
+
+template <class Value>
+bool is_finite(const Value& value) {
+  return std::all_of(value.begin(), value.end(), [](double x) { return std::isfinite(x); });
+}
+
+Status check_mesh(const FileMesh& mesh) {
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    for (const std::uint32_t vertex : mesh.faces[f]) {
+      if (vertex < mesh.vertices.size()) continue;
+      return import_error(fmt::format("mesh '{}': polygon {} names vertex {}, but there are {}",
+                                      node_name(mesh.name), f, vertex, mesh.vertices.size()));
+    }
+  }
+  return {};
+}
+
+Status check_node(const FileScene& file, const FileNode& node) {
+  for (const std::uint32_t mesh : node.meshes) {
+    if (mesh < file.meshes.size()) continue;
+    return import_error(fmt::format("node '{}' names mesh {}, but there are {}",
+                                    node_name(node.name), mesh, file.meshes.size()));
+  }
+  for (std::size_t i = 0; i < node.parent_from_local.size(); ++i) {
+    const double x = node.parent_from_local[i];
+    if (std::isfinite(x)) continue;
+    return import_error(fmt::format("node '{}': its transform holds {} in row {}, column {}",
+                                    node_name(node.name), x, i / 4, i % 4));
+  }
+  return {};
+}
+
+template <class Value>
+Status check_track(const Track<Value>& track, const std::string& node) {
+  double before = -HUGE_VAL;
+  for (std::size_t i = 0; i < track.keys.size(); ++i) {
+    const Key<Value>& key = track.keys[i];
+    if (std::isfinite(key.seconds) && key.seconds >= before && is_finite(key.value)) {
+      before = key.seconds;
+      continue;
+    }
+    return import_error(fmt::format(
+        "node '{}': key {} of its animation, at {} s, is not finite or not in order of time", node,
+        i, key.seconds));
+  }
+  return {};
+}
+
+Status check_animation(const FileScene& file, const Animation& animation) {
+  if (!std::isfinite(animation.seconds)) {
+    return import_error(
+        fmt::format("animation '{}' lasts {} s", node_name(animation.name), animation.seconds));
+  }
+  for (const NodeChannel& channel : animation.channels) {
+    const std::string name = node_name(file.nodes[channel.node].name);
+    if (Status good = check_track(channel.positions, name); !good) return good;
+    if (Status good = check_track(channel.rotations, name); !good) return good;
+    if (Status good = check_track(channel.scalings, name); !good) return good;
+  }
+  for (const Deformation& deformation : animation.deformations) {
+    const std::string name = node_name(file.nodes[deformation.node].name);
+    if (Status good = check_track(deformation.weights, name); !good) return good;
+  }
+  return {};
+}
+
+Status check(const FileScene& file) {
+  for (const FileMesh& mesh : file.meshes) {
+    if (Status good = check_mesh(mesh); !good) return good;
+  }
+  for (const FileNode& node : file.nodes) {
+    if (Status good = check_node(file, node); !good) return good;
+  }
+  for (const Animation& animation : file.animations) {
+    if (Status good = check_animation(file, animation); !good) return good;
+  }
+  return {};
+}
+
+struct ConvertedNodes {
+  std::vector<ImportedNode> nodes;
+  std::vector<std::uint32_t> source;     // of each node, its node in the file
+  std::vector<std::uint32_t> converted;  // of each node in the file, its node
+};
+
+ConvertedNodes convert_nodes(const std::vector<FileNode>& sources) {
+  ConvertedNodes out;
+  for (std::uint32_t i = 0; i < sources.size(); ++i) {
+    const FileNode& source = sources[i];
+    const auto index = static_cast<std::uint32_t>(out.nodes.size());
+    out.converted.push_back(index);
+    ImportedNode node;
+    node.name = node_name(source.name);
+    if (source.parent != kNone) node.parent = out.converted[source.parent];
+    node.parent_from_local = source.parent_from_local;
+    if (source.meshes.size() == 1) node.mesh = source.meshes[0];
+    out.nodes.push_back(std::move(node));
+    for (std::size_t k = 0; source.meshes.size() > 1 && k < source.meshes.size(); ++k) {
+      ImportedNode child;
+      child.name = node_name(source.name, fmt::format("#{}", k));
+      child.parent = index;
+      child.mesh = source.meshes[k];
+      out.nodes.push_back(std::move(child));
+    }
+    out.source.resize(out.nodes.size(), i);
+  }
+  return out;
+}
+
+// The weights that the animation gives to a mesh of a node in the file.
+Track<std::vector<double>> weights_of(const Animation& source, std::uint32_t node,
+                                      std::uint32_t mesh) {
+  for (const Deformation& deformation : source.deformations) {
+    if (deformation.node == node && (deformation.mesh == mesh || deformation.mesh == kNone))
+      return deformation.weights;
+  }
+  return {};
+}
+
+std::vector<Deformation> convert_deformations(const Animation& source, const FileScene& file,
+                                              const ConvertedNodes& nodes) {
+  std::vector<Deformation> out;
+  for (std::uint32_t i = 0; i < nodes.nodes.size(); ++i) {
+    const std::uint32_t mesh = nodes.nodes[i].mesh;
+    if (mesh == kNone) continue;
+    Deformation deformation{i, mesh, {}};
+    if (!file.meshes[mesh].shapes.empty())
+      deformation.weights = weights_of(source, nodes.source[i], mesh);
+    if (!file.meshes[mesh].skin.bones.empty() || !deformation.weights.keys.empty())
+      out.push_back(std::move(deformation));
+  }
+  return out;
+}
+
+std::vector<Animation> convert_animations(const FileScene& file, const ConvertedNodes& nodes) {
+  std::vector<Animation> out;
+  for (const Animation& source : file.animations) {
+    Animation animation = source;
+    animation.name = node_name(source.name);
+    for (NodeChannel& channel : animation.channels) channel.node = nodes.converted[channel.node];
+    animation.deformations = convert_deformations(source, file, nodes);
+    const auto has_weights = [](const Deformation& d) { return !d.weights.keys.empty(); };
+    if (!animation.channels.empty() ||
+        std::any_of(animation.deformations.begin(), animation.deformations.end(), has_weights))
+      out.push_back(std::move(animation));
+  }
+  return out;
+}
+
+Rig make_rig(const FileScene& file, const ConvertedNodes& nodes) {
+  Rig rig;
+  for (const ImportedNode& node : nodes.nodes) {
+    rig.parent_from_local.push_back(node.parent_from_local);
+  }
+  for (const FileMesh& mesh : file.meshes) {
+    const bool is_rigid = mesh.skin.bones.empty() && mesh.shapes.empty();
+    rig.vertices.push_back(is_rigid ? std::vector<Point>() : mesh.vertices);
+    rig.shapes.push_back(mesh.shapes);
+    Skin& skin = rig.skins.emplace_back(mesh.skin);
+    for (Skin::Bone& bone : skin.bones) bone.node = nodes.converted[bone.node];
+    skin.first.resize(mesh.vertices.size() + 1);
+  }
+  return rig;
+}
+
+Status put_into_frame(ImportedScene& scene, const ImportOptions& options) {
+  const double unit = scene.meters_per_unit;
+  convert_frame(scene, options.up_axis, options.meters_per_unit);
+  for (const ImportedNode& node : scene.nodes) {
+    if (is_finite(node.parent_from_local)) continue;
+    return import_error(
+        fmt::format("node '{}': its transform is not finite once it is brought from {} m a "
+                    "unit to {} m",
+                    node.name, unit, scene.meters_per_unit));
+  }
+  return {};
+}
+
+Result<Point> move_near_origin(std::vector<FileMesh>& meshes, std::vector<ImportedNode>& nodes,
+                               const ImportOptions& options) {
+  if (!options.offset) return rebase(meshes, nodes);
+  if (shift(meshes, nodes, *options.offset)) return *options.offset;
+  const auto [x, y, z] = *options.offset;
+  return import_error(
+      fmt::format("lies too far from ({}, {}, {}) to be held exactly on a lattice there", x, y, z));
+}
+
+ImportedMesh convert_mesh(FileMesh source) {
+  ImportedMesh mesh;
+  mesh.name = node_name(source.name);
+  mesh.faces.reserve(source.faces.size());
+  for (std::size_t f = 0; f < source.faces.size(); ++f) {
+    const std::span<const std::uint32_t> corners = source.faces[f];
+    if (corners.size() < 3) {
+      mesh.faces.push_back({kNoVertex, kNoVertex, kNoVertex});
+      ++mesh.lines_and_points;
+    } else {
+      triangulate(source.vertices, corners, mesh.faces);
+      mesh.triangles += corners.size() - 2;
+    }
+  }
+  mesh.vertices.reserve(source.vertices.size());
+  for (const Point& v : source.vertices) {
+    mesh.vertices.push_back(
+        {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])});
+  }
+  return mesh;
+}
+
+}  // namespace
+
+Result<AnimatedScene> scene_from_file(FileScene file, const ImportOptions& options) {
+  if (const Status good = check(file); !good) return good.error();
+  ConvertedNodes nodes = convert_nodes(file.nodes);
+  AnimatedScene out;
+  out.animations = convert_animations(file, nodes);
+  out.rig = make_rig(file, nodes);
+  ImportedScene& scene = out.scene;
+  scene.nodes = std::move(nodes.nodes);
+  scene.up_axis = file.up_axis;
+  scene.meters_per_unit = file.meters_per_unit;
+  scene.warnings = std::move(file.warnings);
+  out.rig.scene_from_file = frame_conversion(scene, options.up_axis, options.meters_per_unit);
+  if (const Status good = put_into_frame(scene, options); !good) return good.error();
+  const auto offset = move_near_origin(file.meshes, scene.nodes, options);
+  if (!offset) return offset.error();
+  out.rig.offset = *offset;
+  for (FileMesh& mesh : file.meshes) scene.meshes.push_back(convert_mesh(std::move(mesh)));
+  return out;
+}
+
+}  // namespace sightline::client::importer
