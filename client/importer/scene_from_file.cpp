@@ -205,26 +205,51 @@ Result<Point> move_near_origin(std::vector<FileMesh>& meshes, std::vector<Import
       fmt::format("lies too far from ({}, {}, {}) to be held exactly on a lattice there", x, y, z));
 }
 
-ImportedMesh convert_mesh(FileMesh source) {
+std::vector<Vertex> rounded(const std::vector<Point>& points) {
+  std::vector<Vertex> out;
+  out.reserve(points.size());
+  for (const Point& p : points) {
+    out.push_back({static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])});
+  }
+  return out;
+}
+
+// Counts polygons that intersect themselves.
+ImportedMesh convert_mesh(const FileMesh& source, Warning& crossed) {
   ImportedMesh mesh;
   mesh.name = node_name(source.name);
+  mesh.vertices = rounded(source.vertices);
   mesh.faces.reserve(source.faces.size());
+  Triangulator triangulator(mesh.vertices);
   for (std::size_t f = 0; f < source.faces.size(); ++f) {
     const std::span<const std::uint32_t> corners = source.faces[f];
     if (corners.size() < 3) {
       mesh.faces.push_back({kNoVertex, kNoVertex, kNoVertex});
       ++mesh.lines_and_points;
-    } else {
-      triangulate(source.vertices, corners, mesh.faces);
-      mesh.triangles += corners.size() - 2;
+      continue;
     }
-  }
-  mesh.vertices.reserve(source.vertices.size());
-  for (const Point& v : source.vertices) {
-    mesh.vertices.push_back(
-        {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])});
+    if (!triangulator.cut(corners, mesh.faces) && crossed.count++ == 0)
+      crossed.first = fmt::format("mesh '{}', face {}", mesh.name, f);
+    mesh.triangles += corners.size() - 2;
   }
   return mesh;
+}
+
+std::vector<ImportedMesh> convert_meshes(std::vector<FileMesh> sources,
+                                         std::vector<Warning>& warnings) {
+  std::vector<ImportedMesh> meshes;
+  Warning crossed{.kind = "polygon_crosses_itself", .count = 0};
+  for (FileMesh& source : sources) {
+    meshes.push_back(convert_mesh(source, crossed));
+    source = {};
+  }
+  if (crossed.count == 0) return meshes;
+  crossed.message = fmt::format(
+      "{} of its polygons intersect themselves, the first in {}: parts of them are covered twice "
+      "or not at all",
+      crossed.count, crossed.first);
+  warnings.push_back(std::move(crossed));
+  return meshes;
 }
 
 }  // namespace
@@ -245,7 +270,7 @@ Result<AnimatedScene> scene_from_file(FileScene file, const ImportOptions& optio
   const auto offset = move_near_origin(file.meshes, scene.nodes, options);
   if (!offset) return offset.error();
   out.rig.offset = *offset;
-  for (FileMesh& mesh : file.meshes) scene.meshes.push_back(convert_mesh(std::move(mesh)));
+  scene.meshes = convert_meshes(std::move(file.meshes), scene.warnings);
   return out;
 }
 

@@ -1,17 +1,41 @@
 // Cuts polygons into triangles. Internal to the importer.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
-#include "client/importer/animation.h"
 #include "client/types.h"
 
 namespace sightline::client::importer {
 
-/// Appends the n - 2 triangles of a polygon with these n >= 3 corners.
-void triangulate(const std::vector<Point>& vertices, std::span<const std::uint32_t> corners,
-                 std::vector<Face>& faces);
+/// Cuts polygons of one mesh, whose vertices it keeps a reference to. Not from two threads at once.
+class Triangulator {
+ public:
+  explicit Triangulator(const std::vector<Vertex>& vertices);
+  Triangulator(const Triangulator&) = delete;
+  Triangulator& operator=(const Triangulator&) = delete;
+  ~Triangulator();
+
+  /// Appends the n - 2 triangles of a polygon with these n >= 3 corners. Triangles turn as the
+  /// polygon does, and together they cover it exactly once: seen along an axis, if it is not flat.
+  /// A polygon may have corners on a straight line, equal corners, and boundaries that touch, as
+  /// where an edge leads to a hole and back; triangles without area stand for corners that cover
+  /// nothing. All triangles of a polygon with a vertex that is not finite have such a vertex.
+  /// Returns whether the polygon does not intersect itself. If it does, the triangles have its
+  /// corners and its outline, and overlap. Crossings of a polygon of thousands of corners that are
+  /// all near each other may stay unnoticed. Decisions are exact. A convex polygon takes O(n) time,
+  /// others O(n log n), as a rule.
+  bool cut(std::span<const std::uint32_t> corners, std::vector<Face>& faces);
+
+ private:
+  class Work;
+
+  const std::vector<Vertex>& vertices_;
+  std::unique_ptr<Work> work_;  // storage that is used again
+};
 
 }  // namespace sightline::client::importer

@@ -1,0 +1,15 @@
+// Whether edges of a polygon cross. Internal to the importer.
+#pragma once
+
+#include <span>
+
+#include "client/importer/orientation.h"
+
+namespace sightline::client::importer {
+
+/// Whether two edges of the closed polygon cross each other at one point inside of both, exactly.
+/// Edges that only touch or overlap do not cross. Gives up after many comparisons, and returns
+/// false: of tens of thousands of edges that are near to each other all along.
+bool has_crossing(std::span<const PlanePoint> polygon);
+
+}  // namespace sightline::client::importer
