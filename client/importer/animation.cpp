@@ -2,6 +2,7 @@
 #include "client/importer/animation.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -17,10 +18,15 @@ Point mix(const Point& a, const Point& b, double part) {
   return out;
 }
 
-Quaternion normalized(Quaternion q) {
+double length(const Quaternion& q) {
   double square = 0;
   for (const double x : q) square += x * x;
-  for (double& x : q) x /= std::sqrt(square);
+  return std::sqrt(square);
+}
+
+Quaternion normalized(Quaternion q) {
+  const double old = length(q);
+  for (double& x : q) x /= old;
   return q;
 }
 
@@ -57,10 +63,61 @@ double folded(double seconds, double first, double last) {
   return std::clamp(seconds - turns * (last - first), first, last);
 }
 
+// Of four values with these weights. An absent weight is 0.
+Point combined(const std::array<const Point*, 4>& values, const std::array<double, 4>& weights) {
+  Point out{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) out[k] += weights[i] * (*values[i])[k];
+  }
+  return out;
+}
+
+Quaternion combined(const std::array<const Quaternion*, 4>& values,
+                    const std::array<double, 4>& weights) {
+  Quaternion out{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t k = 0; k < 4; ++k) out[k] += weights[i] * (*values[i])[k];
+  }
+  return out;
+}
+
+std::vector<double> combined(const std::array<const std::vector<double>*, 4>& values,
+                             const std::array<double, 4>& weights) {
+  std::vector<double> out;
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (out.size() < values[i]->size()) out.resize(values[i]->size());
+    for (std::size_t k = 0; k < values[i]->size(); ++k) out[k] += weights[i] * (*values[i])[k];
+  }
+  return out;
+}
+
+const Point& applied(const Point& value) { return value; }
+const std::vector<double>& applied(const std::vector<double>& value) { return value; }
+
+// Zeros have no direction: they are no rotation.
+Quaternion applied(const Quaternion& value) {
+  const double size = length(value);
+  return size > 0 && std::isfinite(size) ? normalized(value) : Quaternion{1, 0, 0, 0};
+}
+
 template <class Value>
-Value between(const Key<Value>& a, const Key<Value>& b, double seconds) {
-  const double length = b.seconds - a.seconds;
-  return length > 0 ? mix(a.value, b.value, (seconds - a.seconds) / length) : b.value;
+Value at_key(const Track<Value>& track, std::size_t key) {
+  const Value& value = track.keys[key].value;
+  return track.interpolation == Interpolation::kCubic ? applied(value) : value;
+}
+
+template <class Value>
+Value between(const Track<Value>& track, std::size_t a, std::size_t b, double seconds) {
+  const Key<Value>&from = track.keys[a], &to = track.keys[b];
+  const double step = to.seconds - from.seconds;
+  if (!(step > 0)) return at_key(track, b);
+  const double t = (seconds - from.seconds) / step;
+  if (track.interpolation == Interpolation::kStep) return t < 1 ? from.value : to.value;
+  if (track.interpolation == Interpolation::kLinear) return mix(from.value, to.value, t);
+  const double square = t * t, cube = square * t;
+  return applied(combined({&from.value, &track.tangents[a].out, &to.value, &track.tangents[b].in},
+                          {2 * cube - 3 * square + 1, step * (cube - 2 * square + t),
+                           3 * square - 2 * cube, step * (cube - square)}));
 }
 
 }  // namespace
@@ -76,13 +133,14 @@ Value sample(const Track<Value>& track, double seconds) {
   if (is_outside && beyond == Beyond::kRepeat) {
     seconds = folded(seconds, first, last);
   } else if (keys.size() == 1 || (is_outside && beyond == Beyond::kHold)) {
-    return is_before ? keys.front().value : keys.back().value;
+    return at_key(track, is_before ? 0 : keys.size() - 1);
   }
   const auto later = std::upper_bound(keys.begin(), keys.end(), seconds,
                                       [](double t, const Key<Value>& k) { return t < k.seconds; });
-  if (keys.size() == 1) return keys.front().value;
+  if (keys.size() == 1) return at_key(track, 0);
   const auto b = std::clamp(later, keys.begin() + 1, keys.end() - 1);
-  return between(*(b - 1), *b, seconds);
+  const auto next = static_cast<std::size_t>(b - keys.begin());
+  return between(track, next - 1, next, seconds);
 }
 
 template Point sample(const Track<Point>&, double);

@@ -22,24 +22,37 @@ enum class Beyond : std::uint8_t {
   kRepeat,       ///< repeats from the other end
 };
 
+/// The value of a track between two keys.
+enum class Interpolation : std::uint8_t {
+  kLinear,  ///< rotations along the shorter arc, at constant speed
+  kStep,    ///< that of the earlier key
+  kCubic,   ///< a cubic spline with the tangents of the keys
+};
+
 template <class Value>
 struct Key {
   double seconds = 0;
   Value value{};
 };
 
-/// Keys in order of time, at least one. Values between two keys are interpolated, rotations along
-/// the shorter arc.
+/// How fast a cubic track arrives at a key and leaves it, in units of the value per second.
 template <class Value>
-struct Track {
-  std::vector<Key<Value>> keys;
-  Beyond before = Beyond::kHold;
-  Beyond after = Beyond::kHold;
+struct Tangents {
+  Value in{}, out{};
 };
 
-/// Interpolates linearly between keys, and rotations by slerp along the shorter arc. A weight that
-/// only one of two keys has counts as 0 in the other. Value is Point, Quaternion or
-/// std::vector<double>.
+/// Keys in order of time, at least one.
+template <class Value>
+struct Track {
+  std::vector<Key<Value>> keys;  ///< rotations of a cubic track may have any length
+  Beyond before = Beyond::kHold;
+  Beyond after = Beyond::kHold;  ///< a cubic track holds
+  Interpolation interpolation = Interpolation::kLinear;
+  std::vector<Tangents<Value>> tangents{};  ///< of each key of a cubic track; else empty
+};
+
+/// The value at a time. Rotations have unit length. A weight that only one of two keys has counts
+/// as 0 in the other. Value is Point, Quaternion or std::vector<double>.
 template <class Value>
 Value sample(const Track<Value>& track, double seconds);
 
@@ -93,8 +106,9 @@ struct Rig {
   Point offset{};
   /// By mesh: the vertices without a pose, in the file. Empty for a mesh without skin and shapes.
   std::vector<std::vector<Point>> vertices;
-  std::vector<Skin> skins;     ///< by mesh
-  std::vector<Shapes> shapes;  ///< by mesh
+  std::vector<Skin> skins;                   ///< by mesh
+  std::vector<Shapes> shapes;                ///< by mesh
+  std::vector<std::vector<double>> weights;  ///< by mesh: of its shapes at rest, or less
 };
 
 struct AnimatedScene {

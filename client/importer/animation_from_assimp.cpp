@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kUsualTicksPerSecond = 25;  // Assimp's convention if the file states no rate
 
-// Assimp's default is the node's own transform. glTF and Collada, which keep that default, both
-// hold the nearest key.
+// Assimp's default is the node's own transform. Collada, which keeps that default, holds the
+// nearest key.
 Beyond beyond(aiAnimBehaviour behaviour) {
   if (behaviour == aiAnimBehaviour_LINEAR) return Beyond::kExtrapolate;
   if (behaviour == aiAnimBehaviour_REPEAT) return Beyond::kRepeat;

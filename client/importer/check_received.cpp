@@ -54,7 +54,12 @@ bool is_good(const Track<Value>& track) {
     if (!std::isfinite(key.seconds) || key.seconds < before || !all_finite(key.value)) return false;
     before = key.seconds;
   }
-  return is_good(track.before) && is_good(track.after);
+  const bool is_cubic = track.interpolation == Interpolation::kCubic;
+  return is_good(track.before) && is_good(track.after) &&
+         track.interpolation <= Interpolation::kCubic &&
+         track.tangents.size() == (is_cubic ? track.keys.size() : 0) &&
+         std::all_of(track.tangents.begin(), track.tangents.end(),
+                     [](const auto& t) { return all_finite(t.in) && all_finite(t.out); });
 }
 
 bool is_good(const Skin& skin, const ImportedMesh& mesh, std::size_t nodes) {
@@ -108,16 +113,16 @@ Status check_rig(const AnimatedScene& animated) {
   const bool transforms = rig.parent_from_local.size() == scene.nodes.size() &&
                           std::all_of(rig.parent_from_local.begin(), rig.parent_from_local.end(),
                                       [](const Transform& m) { return all_finite(m); });
-  const bool lists = rig.vertices.size() == scene.meshes.size() &&
-                     rig.skins.size() == scene.meshes.size() &&
-                     rig.shapes.size() == scene.meshes.size();
+  const bool lists =
+      rig.vertices.size() == scene.meshes.size() && rig.skins.size() == scene.meshes.size() &&
+      rig.shapes.size() == scene.meshes.size() && rig.weights.size() == scene.meshes.size();
   if (!transforms || !lists || !all_finite(rig.scene_from_file) || !all_finite(rig.offset))
     return import_error("the rig");
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const ImportedMesh& mesh = scene.meshes[m];
     const bool is_rigid = rig.skins[m].bones.empty() && rig.shapes[m].empty();
     const bool good = is_good(rig.skins[m], mesh, scene.nodes.size()) &&
-                      is_good(rig.shapes[m], mesh) &&
+                      is_good(rig.shapes[m], mesh) && all_finite(rig.weights[m]) &&
                       rig.vertices[m].size() == (is_rigid ? 0 : mesh.vertices.size());
     if (Status kept = require(good, "the rig of mesh", m); !kept) return kept;
   }

@@ -62,7 +62,7 @@ Frame frame_of(const aiScene& scene, std::string_view importer_name) {
   const auto is = [&](std::string_view word) {
     return importer_name.find(word) != std::string_view::npos;
   };
-  if (is("glTF") || is("Collada") || is("IFC")) return {UpAxis::kY, 1.0};
+  if (is("Collada") || is("IFC")) return {UpAxis::kY, 1.0};
   if (is("FBX")) return frame_of_fbx(scene);
   return {};
 }

@@ -18,8 +18,8 @@ struct Frame {
   double meters_per_unit = 0;  ///< 0: unknown
 };
 
-/// The frame of a scene read by Assimp's importer of this name. glTF, Collada and IFC have y up and
-/// metres; FBX states its frame in the header; other formats do not state it.
+/// The frame of a scene read by Assimp's importer of this name. Collada and IFC have y up and
+/// metres there; FBX states its frame in the header; other formats do not state it.
 Frame frame_of(const aiScene& scene, std::string_view importer_name);
 
 /// What was turned when a file of an importer of this name was read, with the flag that keeps the

@@ -1,24 +1,18 @@
 // Computes transforms of nodes first, then vertices.
 #include "client/importer/pose.h"
 
-#include <cmath>
 #include <cstddef>
 
 #include "client/importer/affine.h"
+#include "client/importer/deform.h"
 
 namespace sightline::client::importer {
 namespace {
 
-double invertible(double scale) {
-  if (std::abs(scale) >= kLeastScale) return scale;
-  return std::signbit(scale) ? -kLeastScale : kLeastScale;
-}
-
 // In the file's own frame, like all functions below except `imported`.
 Transform local_at(const NodeChannel& channel, double seconds) {
-  Point scaling = sample(channel.scalings, seconds);
-  for (double& s : scaling) s = invertible(s);
-  return compose(sample(channel.positions, seconds), sample(channel.rotations, seconds), scaling);
+  return compose(sample(channel.positions, seconds), sample(channel.rotations, seconds),
+                 sample(channel.scalings, seconds));
 }
 
 std::vector<Transform> locals_at(const Rig& rig, const Animation& animation, double seconds) {
@@ -46,39 +40,6 @@ Transform imported(const ImportedNode& node, const Rig& rig, const Transform& lo
   return out;
 }
 
-std::vector<Point> blended(std::vector<Point> points, const Shapes& shapes,
-                           const Deformation& deformation, double seconds) {
-  if (deformation.weights.keys.empty()) return points;
-  const std::vector<double> weights = sample(deformation.weights, seconds);
-  for (std::size_t s = 0; s < weights.size() && s < shapes.size(); ++s) {
-    if (weights[s] == 0) continue;
-    for (std::size_t v = 0; v < points.size(); ++v) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        points[v][k] += weights[s] * static_cast<double>(shapes[s][v][k]);
-      }
-    }
-  }
-  return points;
-}
-
-void put_on(const Skin& skin, const Transform& mesh_from_world, const std::vector<Transform>& world,
-            std::vector<Point>& points) {
-  std::vector<Transform> follows;
-  follows.reserve(skin.bones.size());
-  for (const Skin::Bone& bone : skin.bones) {
-    follows.push_back(mesh_from_world * world[bone.node] * bone.bone_from_mesh);
-  }
-  for (std::size_t v = 0; v < points.size(); ++v) {
-    if (skin.first[v] == skin.first[v + 1]) continue;
-    Point sum{};
-    for (std::uint32_t i = skin.first[v]; i < skin.first[v + 1]; ++i) {
-      const Point to = follows[skin.influences[i].bone] * points[v];
-      for (std::size_t k = 0; k < 3; ++k) sum[k] += skin.influences[i].weight * to[k];
-    }
-    points[v] = sum;
-  }
-}
-
 // Moved by the offset, and rounded.
 std::vector<Vertex> rounded(const std::vector<Point>& points, const Point& offset) {
   std::vector<Vertex> vertices;
@@ -104,12 +65,14 @@ Pose pose(const AnimatedScene& animated, const Animation& animation, double seco
   if (animation.deformations.empty()) return out;
   const std::vector<Transform> world = composed(scene.nodes, locals);
   for (const Deformation& deformation : animation.deformations) {
-    std::vector<Point> points =
-        blended(rig.vertices[deformation.mesh], rig.shapes[deformation.mesh], deformation, seconds);
-    const Skin& skin = rig.skins[deformation.mesh];
-    if (!skin.bones.empty()) {
-      put_on(skin, inverse(world[deformation.node]), world, points);
-    }
+    const std::uint32_t mesh = deformation.mesh;
+    std::vector<Point> points = rig.vertices[mesh];
+    blend(
+        rig.shapes[mesh],
+        deformation.weights.keys.empty() ? rig.weights[mesh] : sample(deformation.weights, seconds),
+        points);
+    const Skin& skin = rig.skins[mesh];
+    if (!skin.bones.empty()) put_on(skin, inverse(world[deformation.node]), world, points);
     out.shaped.push_back({{deformation.node}, rounded(points, rig.offset)});
   }
   return out;

@@ -21,10 +21,6 @@ struct Pose {
   std::vector<Shaped> shaped;
 };
 
-/// Scales nearer to zero are set to this value. Animations hide things by scaling them to zero, but
-/// a ray needs a transform with an inverse.
-inline constexpr double kLeastScale = 1e-6;
-
 /// Returns everything that the animation moves, in the frame of `animated.scene`, with the same
 /// turn, scale and rebasing. Computed in double; vertices are rounded once, at the end. A skin is
 /// applied in the frame of the node that carries it, so that the bones determine where its vertices

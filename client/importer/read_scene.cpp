@@ -14,6 +14,7 @@
 #include "client/importer/completeness.h"
 #include "client/importer/encoding.h"
 #include "client/importer/extension.h"
+#include "client/importer/gltf/read_gltf.h"
 #include "client/importer/preflight.h"
 #include "client/importer/scene_from_file.h"
 
@@ -39,7 +40,8 @@ struct Reader {
   std::string_view extension, magic;
   Result<FileScene> (*read)(const SceneFile& file);
 };
-constexpr Reader kReaders[] = {{"stl", "", read_stl}};
+constexpr Reader kReaders[] = {
+    {"glb", "glTF", gltf::read_gltf}, {"gltf", "", gltf::read_gltf}, {"stl", "", read_stl}};
 
 // Assimp has all other formats.
 auto reader_of(const SceneFile& file) {
@@ -55,7 +57,7 @@ auto reader_of(const SceneFile& file) {
 
 Result<AnimatedScene> read(const SceneFile& file) {
   if (const Status good = check_encoding(file.bytes); !good) return good.error();
-  if (const Status good = preflight(file.name, file.bytes); !good) return good.error();
+  if (const Status good = preflight(file.bytes); !good) return good.error();
   auto doubts = check_complete(file.name, file.bytes);
   if (!doubts) return doubts.error();
   auto scene = reader_of(file)(file);

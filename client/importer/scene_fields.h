@@ -32,8 +32,13 @@ void fields(Archive& archive, Key<Value>& key) {
 }
 
 template <class Archive, class Value>
+void fields(Archive& archive, Tangents<Value>& tangents) {
+  archive(tangents.in, tangents.out);
+}
+
+template <class Archive, class Value>
 void fields(Archive& archive, Track<Value>& track) {
-  archive(track.keys, track.before, track.after);
+  archive(track.keys, track.before, track.after, track.interpolation, track.tangents);
 }
 
 template <class Archive>
@@ -59,7 +64,7 @@ void fields(Archive& archive, Animation& animation) {
 template <class Archive>
 void fields(Archive& archive, Rig& rig) {
   archive(rig.parent_from_local, rig.scene_from_file, rig.offset, rig.vertices, rig.skins,
-          rig.shapes);
+          rig.shapes, rig.weights);
 }
 
 template <class Archive>

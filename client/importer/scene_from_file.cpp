@@ -14,6 +14,7 @@
 #include "client/importer/frame.h"
 #include "client/importer/lattice.h"
 #include "client/importer/node_name.h"
+#include "client/importer/rest_pose.h"
 #include "client/importer/triangulate.h"
 
 namespace sightline::client::importer {
@@ -51,11 +52,18 @@ Status check_node(const FileScene& file, const FileNode& node) {
 }
 
 template <class Value>
+bool has_finite_tangents(const Track<Value>& track, std::size_t key) {
+  return track.tangents.empty() ||
+         (is_finite(track.tangents[key].in) && is_finite(track.tangents[key].out));
+}
+
+template <class Value>
 Status check_track(const Track<Value>& track, const std::string& node) {
   double before = -HUGE_VAL;
   for (std::size_t i = 0; i < track.keys.size(); ++i) {
     const Key<Value>& key = track.keys[i];
-    if (std::isfinite(key.seconds) && key.seconds >= before && is_finite(key.value)) {
+    if (std::isfinite(key.seconds) && key.seconds >= before && is_finite(key.value) &&
+        has_finite_tangents(track, i)) {
       before = key.seconds;
       continue;
     }
@@ -167,15 +175,17 @@ std::vector<Animation> convert_animations(const FileScene& file, const Converted
   return out;
 }
 
-Rig make_rig(const FileScene& file, const ConvertedNodes& nodes) {
+// `vertices`: without a pose, as apply_rest_pose returns them.
+Rig make_rig(const FileScene& file, const ConvertedNodes& nodes,
+             std::vector<std::vector<Point>> vertices) {
   Rig rig;
+  rig.vertices = std::move(vertices);
   for (const ImportedNode& node : nodes.nodes) {
     rig.parent_from_local.push_back(node.parent_from_local);
   }
   for (const FileMesh& mesh : file.meshes) {
-    const bool is_rigid = mesh.skin.bones.empty() && mesh.shapes.empty();
-    rig.vertices.push_back(is_rigid ? std::vector<Point>() : mesh.vertices);
     rig.shapes.push_back(mesh.shapes);
+    rig.weights.push_back(mesh.weights);
     Skin& skin = rig.skins.emplace_back(mesh.skin);
     for (Skin::Bone& bone : skin.bones) bone.node = nodes.converted[bone.node];
     skin.first.resize(mesh.vertices.size() + 1);
@@ -256,10 +266,11 @@ std::vector<ImportedMesh> convert_meshes(std::vector<FileMesh> sources,
 
 Result<AnimatedScene> scene_from_file(FileScene file, const ImportOptions& options) {
   if (const Status good = check(file); !good) return good.error();
+  std::vector<std::vector<Point>> unposed = apply_rest_pose(file);
   ConvertedNodes nodes = convert_nodes(file.nodes);
   AnimatedScene out;
   out.animations = convert_animations(file, nodes);
-  out.rig = make_rig(file, nodes);
+  out.rig = make_rig(file, nodes, std::move(unposed));
   ImportedScene& scene = out.scene;
   scene.nodes = std::move(nodes.nodes);
   scene.up_axis = file.up_axis;

@@ -60,19 +60,21 @@ server                      server/* scenegraph/* proto/result accel/split
 
 client/*.h                  proto/rays proto/result
 client/importer/sandbox     client/*.h
-client/importer             client/*.h client/importer/sandbox
+client/importer/*.h         client/*.h
+client/importer/gltf        client/*.h client/importer/*.h
+client/importer             client/*.h client/importer/*.h client/importer/sandbox client/importer/gltf
 client/wire                 client/*.h proto/rays
-client/calls                client/*.h client/wire client/importer proto/rays
-client/*.cpp                proto/rays client/*.h client/wire client/calls client/importer
+client/calls                client/*.h client/wire client/importer/*.h proto/rays
+client/*.cpp                proto/rays client/*.h client/wire client/calls client/importer/*.h
 client/cli                  client/*.h
 client/cli/files            client/*.h client/cli
 client/cli/picture          client/*.h client/cli
-client/cli/playback         client/*.h client/cli client/importer
+client/cli/playback         client/*.h client/cli client/importer/*.h
 client/cli/reference        client/*.h client/cli
-client/cli/scene_files      client/*.h client/cli client/importer
+client/cli/scene_files      client/*.h client/cli client/importer/*.h
 client/load                 client/*.h client/cli/picture
 client/load/report          client/*.h client/load
-client/cli/verbs            client/*.h client/cli client/cli/* client/importer client/load client/load/report
+client/cli/verbs            client/*.h client/cli client/cli/* client/importer/*.h client/load client/load/report
 client/cli/program          client/*.h client/cli client/cli/*
 client/cli/main             client/cli/program
 """
@@ -101,6 +103,8 @@ toml++          server/security
 nlohmann        server client/cli client/importer client/load
 png.h           client/cli/picture
 assimp          client/importer
+draco           client/importer/gltf
+meshoptimizer.h client/importer/gltf
 seccomp.h       client/importer/sandbox
 """
 

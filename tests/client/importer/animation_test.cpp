@@ -71,6 +71,71 @@ TEST(KeyFrames, NearlyEqualRotationsStayOfUnitLength) {
   EXPECT_NEAR(square, 1, 1e-15);
 }
 
+TEST(Steps, KeepTheEarlierKey) {
+  Track<Point> track = ramp();
+  track.interpolation = Interpolation::kStep;
+  EXPECT_EQ(sample(track, 0), (Point{0, 0, 0}));
+  EXPECT_EQ(sample(track, 1), (Point{0, 0, 0}));
+  EXPECT_EQ(sample(track, 1.999), (Point{0, 0, 0}));
+  EXPECT_EQ(sample(track, 2), (Point{2, 4, 6}));
+  EXPECT_EQ(sample(track, 3.999), (Point{2, 4, 6}));
+  EXPECT_EQ(sample(track, 4), (Point{2, 4, 10}));
+  EXPECT_EQ(sample(track, 9), (Point{2, 4, 10}));
+}
+
+TEST(Steps, AreForRotationsAndWeights) {
+  Track<Quaternion> turn{{{0, about_x(0)}, {1, about_x(80)}}};
+  turn.interpolation = Interpolation::kStep;
+  EXPECT_EQ(sample(turn, 0.99), about_x(0));
+  EXPECT_EQ(sample(turn, 1), about_x(80));
+  Track<std::vector<double>> weights{{{0, {1, 2}}, {1, {3, 4}}}};
+  weights.interpolation = Interpolation::kStep;
+  EXPECT_EQ(sample(weights, 0.5), (std::vector<double>{1, 2}));
+}
+
+// Values are those of the polynomials 2t^3 - 3t^2 + 1, t^3 - 2t^2 + t, 3t^2 - 2t^3 and t^3 - t^2.
+TEST(CubicSplines, FollowTheirTangents) {
+  Track<Point> track;
+  track.interpolation = Interpolation::kCubic;
+  track.keys = {{1, {0, 1, 0}}, {3, {0, 0, 8}}};
+  track.tangents = {{{9, 9, 9}, {32, 0, 0}}, {{-16, 0, 0}, {9, 9, 9}}};
+  EXPECT_EQ(sample(track, 1), (Point{0, 1, 0}));
+  EXPECT_EQ(sample(track, 3), (Point{0, 0, 8}));
+  // A quarter of the way: 27/32, 9/64, 5/32 and -3/64; the tangents count for 2 s.
+  EXPECT_EQ(sample(track, 1.5), (Point{2 * (32 * 9 + 16 * 3) / 64.0, 27 / 32.0, 8 * 5 / 32.0}));
+  EXPECT_EQ(sample(track, 2), (Point{2 * (32 + 16) / 8.0, 0.5, 4}));
+}
+
+TEST(CubicSplines, HoldOutsideTheirKeys) {
+  Track<Point> track;
+  track.interpolation = Interpolation::kCubic;
+  track.keys = {{1, {1, 1, 1}}, {2, {2, 2, 2}}};
+  track.tangents = {{{5, 5, 5}, {5, 5, 5}}, {{5, 5, 5}, {5, 5, 5}}};
+  EXPECT_EQ(sample(track, -1), (Point{1, 1, 1}));
+  EXPECT_EQ(sample(track, 7), (Point{2, 2, 2}));
+}
+
+TEST(CubicSplines, OfRotationsHaveUnitLength) {
+  Track<Quaternion> track;
+  track.interpolation = Interpolation::kCubic;
+  track.keys = {{0, {2, 0, 0, 0}}, {1, {0, 0, 2, 0}}, {2, {0, 0, -2, 0}}};
+  track.tangents.resize(3);
+  EXPECT_EQ(sample(track, 0), (Quaternion{1, 0, 0, 0}));
+  EXPECT_EQ(sample(track, -1), (Quaternion{1, 0, 0, 0}));
+  const Quaternion half = sample(track, 0.5);
+  EXPECT_NEAR(half[0], std::sqrt(0.5), 1e-15);
+  EXPECT_NEAR(half[2], std::sqrt(0.5), 1e-15);
+  EXPECT_EQ(sample(track, 1.5), (Quaternion{1, 0, 0, 0})) << "zeros are no rotation";
+}
+
+TEST(CubicSplines, AreForWeights) {
+  Track<std::vector<double>> track;
+  track.interpolation = Interpolation::kCubic;
+  track.keys = {{0, {0, 4}}, {2, {8, 0}}};
+  track.tangents = {{{}, {4}}, {{0, 8}, {}}};
+  EXPECT_EQ(sample(track, 1), (std::vector<double>{4 + 2 * 4 / 8.0, 2 - 2 * 8 / 8.0}));
+}
+
 TEST(KeyFrames, MissingWeightsAreZero) {
   const Track<std::vector<double>> track{{{0, {1}}, {1, {0, 1}}}};
   EXPECT_EQ(sample(track, 0.25), (std::vector<double>{0.75, 0.25}));

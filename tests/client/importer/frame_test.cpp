@@ -79,7 +79,7 @@ TEST(TurnedAxes, AreReportedUnlessAnAxisWasAskedFor) {
   EXPECT_NE(collada("X_UP", UpAxis::kZ).find("(-y, -z, x) here, so that z"), std::string::npos);
   EXPECT_EQ(turned_axes("Collada Importer", "<COLLADA/>", {}), "");
   EXPECT_NE(turned_axes("Industry Foundation Classes (IFC) Importer", "", {}), "");
-  EXPECT_EQ(turned_axes("glTF2 Importer", "<up_axis>Z_UP</up_axis>", {}), "");
+  EXPECT_EQ(turned_axes("Stereolithography (STL) Importer", "<up_axis>Z_UP</up_axis>", {}), "");
 }
 
 }  // namespace

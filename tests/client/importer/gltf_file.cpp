@@ -25,14 +25,10 @@ std::string base64(std::string_view bytes) {
   return out;
 }
 
-std::size_t width_of(const std::string& type) {
-  return std::map<std::string, std::size_t>{{"SCALAR", 1}, {"VEC3", 3}, {"VEC4", 4}, {"MAT4", 16}}
-      .at(type);
-}
-
-template <class T>
-std::string_view bytes_of(const std::vector<T>& values) {
-  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+std::string little_endian(std::size_t value) {
+  std::string out;
+  for (unsigned i = 0; i < 4; ++i) out += static_cast<char>(value >> (8 * i) & 0xFFU);
+  return out;
 }
 
 }  // namespace
@@ -40,24 +36,27 @@ std::string_view bytes_of(const std::vector<T>& values) {
 GltfFile::GltfFile()
     : json{{"asset", {{"version", "2.0"}}}, {"scene", 0}, {"scenes", {{{"nodes", {0}}}}}} {}
 
-int GltfFile::add_bytes(std::string_view bytes, int component, std::size_t rows,
-                        const std::string& type) {
-  const std::size_t view = json["bufferViews"].size();
+std::size_t GltfFile::width_of(const std::string& type) {
+  return std::map<std::string, std::size_t>{
+      {"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT4", 16}}
+      .at(type);
+}
+
+int GltfFile::add_view(std::string_view bytes) {
   json["bufferViews"].push_back(
       {{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", bytes.size()}});
-  json["accessors"].push_back(
-      {{"bufferView", view}, {"componentType", component}, {"count", rows}, {"type", type}});
   bytes_ += bytes;
   bytes_.resize((bytes_.size() + 3) / 4 * 4);
+  return static_cast<int>(json["bufferViews"].size()) - 1;
+}
+
+int GltfFile::add_bytes(std::string_view bytes, int component, std::size_t rows,
+                        const std::string& type) {
+  json["accessors"].push_back({{"bufferView", add_view(bytes)},
+                               {"componentType", component},
+                               {"count", rows},
+                               {"type", type}});
   return static_cast<int>(json["accessors"].size()) - 1;
-}
-
-int GltfFile::add(const std::vector<float>& rows, const std::string& type) {
-  return add_bytes(bytes_of(rows), 5126, rows.size() / width_of(type), type);
-}
-
-int GltfFile::add_shorts(const std::vector<std::uint16_t>& rows, const std::string& type) {
-  return add_bytes(bytes_of(rows), 5123, rows.size() / width_of(type), type);
 }
 
 void GltfFile::animate(int node, const std::string& path, const std::vector<float>& seconds,
@@ -76,6 +75,16 @@ std::string GltfFile::text() const {
   whole["buffers"] = {{{"byteLength", bytes_.size()},
                        {"uri", "data:application/octet-stream;base64," + base64(bytes_)}}};
   return whole.dump();
+}
+
+std::string GltfFile::glb() const {
+  nlohmann::json whole = json;
+  whole["buffers"] = {{{"byteLength", bytes_.size()}}};
+  std::string text = whole.dump();
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  return "glTF" + little_endian(2) + little_endian(28 + text.size() + bytes_.size()) +
+         little_endian(text.size()) + "JSON" + text + little_endian(bytes_.size()) +
+         std::string("BIN\0", 4) + bytes_;
 }
 
 GltfFile triangle_under_root() {

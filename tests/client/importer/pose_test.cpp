@@ -99,12 +99,12 @@ TEST(Pose, RotationsHaveConstantSpeedAndScalesMultiply) {
   expect_near(third.placed[0].parent_from_local, expected);
 }
 
-TEST(Pose, AZeroScaleKeepsAnInverse) {
+TEST(Pose, ScalesOfZeroAreThoseOfTheFile) {
   GltfFile file = tests::triangle_under_root();
   file.animate(1, "scale", {0, 1}, {1, 1, 1, 0, 0, 0});
   const AnimatedScene scene = import(file);
   const Pose gone = pose(scene, scene.animations[0], 1);
-  EXPECT_EQ(gone.placed.at(0).parent_from_local[0], kLeastScale);
+  EXPECT_EQ(gone.placed.at(0).parent_from_local, Transform{});
 }
 
 TEST(Pose, RootsAreConvertedLikeTheScene) {
@@ -123,12 +123,10 @@ TEST(Pose, ASkinnedStripBends) {
   ASSERT_EQ(scene.animations.size(), 1U);
   const Pose rest_pose = pose(scene, scene.animations[0], 0);
   ASSERT_EQ(rest_pose.shaped.size(), 1U);
-  const ImportedMesh& mesh = scene.scene.meshes[0];
-  for (std::size_t v = 0; v < 6; ++v) {
-    const Vertex& p = mesh.vertices[v];
-    // The strip is at its joints' positions, not at that of its node.
-    expect_near(rest_pose.shaped[0].vertices[v], {point(p)[0] - 10, point(p)[1], point(p)[2]});
-  }
+  // The strip is where its joints are, not where its node is, before an animation is played, too.
+  EXPECT_EQ(rest_pose.shaped[0].vertices, scene.scene.meshes[0].vertices);
+  expect_near(rest_pose.shaped[0].vertices[0], {-10.5, 0, 0});
+  expect_near(rest_pose.shaped[0].vertices[5], {-9.5, 2, 0});
   const Pose bent = pose(scene, scene.animations[0], 1);
   const std::array<Point, 6> expected{
       {{-0.5, 0, 0}, {0.5, 0, 0}, {-0.25, 0.75, 0}, {0.25, 1.25, 0}, {-1, 0.5, 0}, {-1, 1.5, 0}}};
@@ -157,26 +155,20 @@ TEST(Pose, RebasedMeshesKeepTheirWorldPositions) {
   GltfFile near = tests::bending_strip();
   near.animate(2, "translation", {0, 1}, {0, 0, 0, 0, 0, 3});
   GltfFile far = near;
-  // The same strip with 1,048,576 added to x in its vertices and subtracted in its joints.
-  std::vector<float> positions;
-  for (const float y : {0.0F, 1.0F, 2.0F}) {
-    for (const float x : {-0.5F, 0.5F}) positions.insert(positions.end(), {x + 1048576.0F, y, 0});
-  }
-  far.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = far.add(positions, "VEC3");
-  far.json["skins"][0]["inverseBindMatrices"] =
-      far.add({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -1048576.0F, 0,  0, 1,
-               1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -1048576.0F, -1, 0, 1},
-              "MAT4");
+  // The same strip with joints that are 1,048,576 further along x.
+  far.json["nodes"][2]["translation"] = {1048576, 0, 0};
+  far.json["animations"][0]["samplers"][1]["output"] =
+      far.add({1048576.0F, 0, 0, 1048576.0F, 0, 3}, "VEC3");
   const AnimatedScene a = import(near);
   const AnimatedScene b = import(far);
-  ASSERT_EQ(b.rig.offset[0], 1048576.0);
+  ASSERT_GT(b.rig.offset[0], 1048000.0);
   const Pose here = pose(a, a.animations[0], 0.7);
   const Pose there = pose(b, b.animations[0], 0.7);
   for (std::size_t v = 0; v < 6; ++v) {
     const Point p = in_world(a.scene, here, here.shaped[0], v);
     const Point q = in_world(b.scene, there, there.shaped[0], v);
-    // The node of the strip is a million units away: its vertices are floats near a million.
-    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(p[k], q[k], 0.07) << v;
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_NEAR(p[k] + (k == 0 ? 1048576.0 : 0.0), q[k], 1e-5) << v;
   }
 }
 
@@ -207,6 +199,63 @@ TEST(Pose, ShapesAreBlended) {
   ASSERT_EQ(half.shaped.size(), 1U);
   expect_near(half.shaped[0].vertices[0], {0, 0, 0.5});
   expect_near(half.shaped[0].vertices[1], {1, 0, 0});
+}
+
+TEST(Pose, RestWeightsHoldUntilAnAnimationHasOthers) {
+  GltfFile file = tests::triangle_under_root();
+  const int lifted = file.add({0, 0, 2, 0, 0, 0, 0, 0, 0}, "VEC3");
+  file.json["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", lifted}}};
+  file.json["meshes"][0]["weights"] = {0.5};
+  EXPECT_EQ(import(file).scene.meshes[0].vertices[0], (Vertex{0, 0, 1}));
+  file.json["nodes"][1]["weights"] = {-1};
+  EXPECT_EQ(import(file).scene.meshes[0].vertices[0], (Vertex{0, 0, -2}));
+  file.animate(1, "weights", {0, 1}, {0.25F, 1});
+  const AnimatedScene scene = import(file);
+  EXPECT_EQ(scene.scene.meshes[0].vertices[0], (Vertex{0, 0, -2}));
+  expect_near(pose(scene, scene.animations[0], 0).shaped.at(0).vertices[0], {0, 0, 0.5});
+}
+
+TEST(Pose, RestWeightsAreKeptWhileASkinMoves) {
+  GltfFile file = tests::bending_strip();
+  const int lifted =
+      file.add(std::vector<float>{0, 0, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 8}, "VEC3");
+  file.json["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", lifted}}};
+  file.json["nodes"][1]["weights"] = {0.5};
+  const AnimatedScene scene = import(file);
+  const Pose bent = pose(scene, scene.animations[0], 1);
+  const Point top = in_world(scene.scene, bent, bent.shaped.at(0), 5);
+  EXPECT_NEAR(top[0], -1, kNear);
+  EXPECT_NEAR(top[1], 1.5, kNear);
+  EXPECT_NEAR(top[2], 4, kNear);
+}
+
+TEST(Pose, StepsAndSplinesArePlayed) {
+  const auto x_at = [](const char* interpolation, const std::vector<float>& values,
+                       double seconds) {
+    GltfFile file = tests::triangle_under_root();
+    file.animate(1, "translation", {0, 2}, values);
+    file.json["animations"][0]["samplers"][0]["interpolation"] = interpolation;
+    const AnimatedScene scene = import(file);
+    return pose(scene, scene.animations.at(0), seconds).placed.at(0).parent_from_local[3];
+  };
+  EXPECT_EQ(x_at("STEP", {1, 0, 0, 5, 0, 0}, 1.9), 1);
+  EXPECT_EQ(x_at("STEP", {1, 0, 0, 5, 0, 0}, 2), 5);
+  const std::vector<float> spline{0, 0, 0, 1, 0, 0, 8, 0, 0, 0, 0, 0, 5, 0, 0, 0, 0, 0};
+  EXPECT_EQ(x_at("CUBICSPLINE", spline, 1), 3 + 2 * 8 / 8.0);
+  EXPECT_EQ(x_at("CUBICSPLINE", spline, 3), 5);
+}
+
+// The node that carries the strip vanishes, but its joints do not.
+TEST(Pose, ASkinOutlivesItsNode) {
+  GltfFile file = tests::bending_strip();
+  file.animate(1, "scale", {0, 1}, {1, 1, 1, 0, 0, 0});
+  const AnimatedScene scene = import(file);
+  const Pose bent = pose(scene, scene.animations[0], 1);
+  ASSERT_EQ(bent.shaped.size(), 1U);
+  EXPECT_EQ(scene.scene.nodes[bent.shaped[0].nodes[0]].parent, kNone);
+  const Point top = in_world(scene.scene, bent, bent.shaped[0], 5);
+  EXPECT_NEAR(top[0], -1, kNear);
+  EXPECT_NEAR(top[1], 1.5, kNear);
 }
 
 TEST(Pose, AFileWithoutAnimationsHasNone) {

@@ -193,7 +193,9 @@ FileReport check_file(std::span<const std::uint8_t> bytes) {
   const fs::path path = folder.put(ending, bytes);
   const NamedFile file{path.filename().string(),
                        {reinterpret_cast<const char*>(bytes.data()), bytes.size()}};
-  if (client::importer::preflight(file.name, file.bytes) && !taster.survives(path))
+  const bool has_own_reader =
+      file.name.ends_with(".gltf") || file.name.ends_with(".glb") || file.bytes.starts_with("glTF");
+  if (!has_own_reader && client::importer::preflight(file.bytes) && !taster.survives(path))
     return {FileOutcome::kAssimpDied, {}};
   return import(file);
 }

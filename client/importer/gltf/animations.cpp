@@ -1,0 +1,183 @@
+// A track for each channel; what a node's channels leave out is held at rest.
+#include "client/importer/gltf/animations.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <utility>
+
+#include "client/importer/gltf/nodes.h"
+
+namespace sightline::client::importer::gltf {
+namespace {
+
+constexpr const char* kPaths[] = {"translation", "rotation", "scale", "weights"};
+
+Quaternion quaternion(const std::array<double, 4>& xyzw) {
+  return {xyzw[3], xyzw[0], xyzw[1], xyzw[2]};
+}
+
+Interpolation interpolation_of(const Item& sampler) {
+  const std::string name = sampler.text("interpolation");
+  if (name.empty() || name == "LINEAR") return Interpolation::kLinear;
+  if (name == "STEP") return Interpolation::kStep;
+  if (name == "CUBICSPLINE") return Interpolation::kCubic;
+  refuse("{}: interpolation is '{}', must be LINEAR, STEP or CUBICSPLINE", sampler.where(),
+         name.substr(0, 40));
+}
+
+class AnimationReader {
+ public:
+  AnimationReader(const Document& document, Accessors& accessors, const Meshes& meshes,
+                  const std::vector<std::uint32_t>& from_gltf, std::vector<Warning>& warnings)
+      : document_(document),
+        accessors_(accessors),
+        meshes_(meshes),
+        from_gltf_(from_gltf),
+        warnings_(warnings) {}
+
+  Animation read(const Item& item) {
+    Animation out;
+    out.name = item.text("name");
+    const std::vector<Item> samplers = item.objects("samplers");
+    for (const Item& channel : item.objects("channels")) {
+      const std::uint64_t sampler = channel.integer("sampler");
+      if (sampler >= samplers.size()) {
+        refuse("{} names sampler {}, but there are {}", channel.where(), sampler, samplers.size());
+      }
+      const auto target = channel.object("target");
+      if (!target) refuse("{}: target is missing", channel.where());
+      read_channel(*target, samplers[sampler], out);
+    }
+    return out;
+  }
+
+ private:
+  void read_channel(const Item& target, const Item& sampler, Animation& out) {
+    const std::string path = target.text("path");
+    const bool is_known = std::find(std::begin(kPaths), std::end(kPaths), path) != std::end(kPaths);
+    if (!is_known) {
+      warn("animation_target", target,
+           fmt::format("animates '{}', which is not played", path.substr(0, 40)));
+      return;
+    }
+    if (!target.has("node")) return;
+    const std::uint64_t gltf = target.integer("node");
+    const Item node = document_.at("nodes", gltf, target.where());
+    if (from_gltf_[gltf] == kNone) return;
+    if (path == "weights") {
+      read_weights(node, from_gltf_[gltf], sampler, out);
+      return;
+    }
+    const LocalTransform rest = local_transform(node);
+    if (rest.has_matrix) {
+      warn("animated_matrix", target,
+           fmt::format("animates {}, which has a matrix; glTF forbids that, and it is not played",
+                       node.where()));
+      return;
+    }
+    NodeChannel& channel = channel_of(from_gltf_[gltf], rest, out);
+    if (path == "translation") channel.positions = points(sampler, out);
+    if (path == "scale") channel.scalings = points(sampler, out);
+    if (path == "rotation") channel.rotations = rotations(sampler, out);
+  }
+
+  static NodeChannel& channel_of(std::uint32_t node, const LocalTransform& rest, Animation& out) {
+    const auto known = std::find_if(out.channels.begin(), out.channels.end(),
+                                    [&](const NodeChannel& c) { return c.node == node; });
+    if (known != out.channels.end()) return *known;
+    NodeChannel channel;
+    channel.node = node;
+    channel.positions.keys = {{0, rest.translation}};
+    channel.rotations.keys = {{0, rest.rotation}};
+    channel.scalings.keys = {{0, rest.scale}};
+    return out.channels.emplace_back(std::move(channel));
+  }
+
+  std::vector<std::array<double, 1>> times(const Item& sampler, Animation& out) {
+    auto times = accessors_.rows<1>(sampler.integer("input"), sampler.where());
+    if (times.empty()) refuse("{}: it has no keys", sampler.where());
+    for (const auto& time : times) out.seconds = std::max(out.seconds, time[0]);
+    return times;
+  }
+
+  // `value_at(i)` is the i-th value of `count`.
+  template <class Value, class ValueAt>
+  static Track<Value> track(const Item& sampler, const std::vector<std::array<double, 1>>& times,
+                            std::size_t count, const ValueAt& value_at) {
+    Track<Value> track;
+    track.interpolation = interpolation_of(sampler);
+    const bool is_cubic = track.interpolation == Interpolation::kCubic;
+    const std::size_t per_key = is_cubic ? 3 : 1;
+    if (count != per_key * times.size()) {
+      refuse("{}: {} keys need {} values, but there are {}", sampler.where(), times.size(),
+             per_key * times.size(), count);
+    }
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      track.keys.push_back({times[i][0], value_at(is_cubic ? 3 * i + 1 : i)});
+      if (is_cubic) track.tangents.push_back({value_at(3 * i), value_at(3 * i + 2)});
+    }
+    return track;
+  }
+
+  Track<Point> points(const Item& sampler, Animation& out) {
+    const auto rows = accessors_.rows<3>(sampler.integer("output"), sampler.where());
+    return track<Point>(sampler, times(sampler, out), rows.size(),
+                        [&](std::size_t i) { return rows[i]; });
+  }
+
+  Track<Quaternion> rotations(const Item& sampler, Animation& out) {
+    const auto rows = accessors_.rows<4>(sampler.integer("output"), sampler.where());
+    const bool is_cubic = interpolation_of(sampler) == Interpolation::kCubic;
+    return track<Quaternion>(sampler, times(sampler, out), rows.size(), [&](std::size_t i) {
+      return is_cubic ? quaternion(rows[i]) : rotation_of(rows[i]);
+    });
+  }
+
+  void read_weights(const Item& node, std::uint32_t index, const Item& sampler, Animation& out) {
+    const std::size_t shapes = meshes_.shapes(node);
+    if (shapes == 0) return;
+    const auto rows = accessors_.rows<1>(sampler.integer("output"), sampler.where());
+    if (rows.size() % shapes != 0) {
+      refuse("{}: {} weights are none for all of {} targets", sampler.where(), rows.size(), shapes);
+    }
+    Deformation deformation{index, kNone, {}};
+    deformation.weights = track<std::vector<double>>(sampler, times(sampler, out),
+                                                     rows.size() / shapes, [&](std::size_t i) {
+                                                       std::vector<double> weights;
+                                                       for (std::size_t s = 0; s < shapes; ++s)
+                                                         weights.push_back(rows[i * shapes + s][0]);
+                                                       return weights;
+                                                     });
+    out.deformations.push_back(std::move(deformation));
+  }
+
+  void warn(const char* kind, const Item& where, const std::string& message) {
+    const auto known = std::find_if(warnings_.begin(), warnings_.end(),
+                                    [&](const Warning& warning) { return warning.kind == kind; });
+    if (known != warnings_.end()) {
+      ++known->count;
+      return;
+    }
+    warnings_.push_back({.kind = kind,
+                         .first = where.where(),
+                         .message = fmt::format("{} {}", where.where(), message)});
+  }
+
+  const Document& document_;
+  Accessors& accessors_;
+  const Meshes& meshes_;
+  const std::vector<std::uint32_t>& from_gltf_;
+  std::vector<Warning>& warnings_;
+};
+
+}  // namespace
+
+void read_animations(const Document& document, Accessors& accessors, const Meshes& meshes,
+                     const std::vector<std::uint32_t>& from_gltf, FileScene& scene) {
+  AnimationReader reader(document, accessors, meshes, from_gltf, scene.warnings);
+  for (std::size_t i = 0; i < document.count("animations"); ++i)
+    scene.animations.push_back(reader.read(document.at("animations", i, "the file")));
+}
+
+}  // namespace sightline::client::importer::gltf
