@@ -102,8 +102,8 @@ struct Animation {
 struct Rig {
   std::vector<Transform> parent_from_local;  ///< of each node at rest, in the file
   Transform scene_from_file = kIdentity;     ///< applied before the roots
-  /// Subtracted from all vertices, and added to the transforms of the nodes that carry them
-  Point offset{};
+  /// By mesh: subtracted from its vertices, and added to the transforms of the nodes that carry it
+  std::vector<Point> offsets;
   /// By mesh: the vertices without a pose, in the file. Empty for a mesh without skin and shapes.
   std::vector<std::vector<Point>> vertices;
   std::vector<Skin> skins;                   ///< by mesh

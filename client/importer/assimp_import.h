@@ -18,7 +18,7 @@ Status check_readable(const std::filesystem::path& file);
 
 /// Cuts polygons into triangles and does nothing else to the file: no vertex is merged, no face
 /// repaired, no transform applied. Vertices that lie far from their origin are moved near to it,
-/// without moving a triangle (lattice.h). Faces keep their order: the n - 2 triangles of a polygon
+/// without moving a triangle (rebase.h). Faces keep their order: the n - 2 triangles of a polygon
 /// are consecutive primitive ids. A node with several meshes keeps its name and gets a child for
 /// each, NAME#0, NAME#1, ...; a mesh of several nodes stays one mesh. Textures are not read.
 /// Errors: kInvalidArgument: file unreadable or incomplete, a transform that is not finite, an

@@ -157,7 +157,7 @@ Result<FrameSequence> import_sequence(const std::filesystem::path& folder,
   if (!first) return first.error();
   sequence.scene = std::move(first->scene);
   ImportOptions like_first = options;
-  like_first.offset = first->rig.offset;
+  like_first.offsets = first->rig.offsets;
   for (const std::string& file : sequence.files) {
     auto frame = read_frame(file, like_first, sequence.scene, first_file);
     if (!frame) return frame.error();

@@ -61,8 +61,9 @@ struct ImportOptions {
   /// The unit of the result, > 0. The scene is scaled if the file states another unit; otherwise
   /// the unit is only recorded.
   std::optional<double> meters_per_unit;
-  /// The offset of the vertices (Rig::offset), to be that of another file. It is chosen if unset.
-  std::optional<std::array<double, 3>> offset{};
+  /// The offsets of the meshes (Rig::offsets), to be those of another file that has as many. They
+  /// are chosen otherwise.
+  std::vector<std::array<double, 3>> offsets{};
 };
 
 /// The error of a file that cannot be imported.

@@ -1,36 +1,57 @@
-// Moves the vertices of a far-away scene near the origin, without moving any triangle.
+// Where the vertices of a mesh may lie, so that float holds them and meshes that touch still touch.
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "client/importer/file_scene.h"
-#include "client/importer/imported_scene.h"
 
 namespace sightline::client::importer {
 
-/// Vertices are far away if their distance from zero is this many times their extent (rounded up to
-/// a power of two).
-inline constexpr double kFar = 16;
+bool is_finite(const Point& vertex);
 
-/// Subtracts one offset from the vertices of all meshes, and adds it to the transforms of the nodes
-/// that carry them. Returns the offset. It is zero on every axis where nothing was done.
-///
-/// The step of the lattice is the largest extent of the vertices, rounded up to a power of two. On
-/// an axis where all vertices lie kFar steps or more on one side of zero, the offset is the
-/// multiple of the step nearest to their middle. Nothing is rounded: the rest of a vertex is a
-/// float, and the rest plus the offset is the old value; the same holds for the transforms. The
-/// offset is the same for all meshes. So vertices or whole meshes that were equal stay equal, and
-/// different ones stay different.
-///
-/// Nothing changes if a node that carries a mesh has children, because they would have to be moved
-/// back, or if a translation cannot hold its sum with the offset without rounding. Vertices that
-/// are not finite are not changed.
-std::array<double, 3> rebase(std::vector<FileMesh>& meshes, std::vector<ImportedNode>& nodes);
+/// Bounds of finite vertices.
+struct VertexBox {
+  Point lo, hi;  ///< lo > hi if there is none
 
-/// Subtracts this offset from the vertices, as rebase does. Returns false and changes nothing if
-/// the offset cannot be moved into the nodes without rounding.
-bool shift(std::vector<FileMesh>& meshes, std::vector<ImportedNode>& nodes,
-           const std::array<double, 3>& offset);
+  VertexBox();
+  void add(const Point& vertex);  ///< ignored if it is not finite
+  void add(const VertexBox& other);
+  double size() const;  ///< the largest extent; negative if there is none
+  Point reach() const;  ///< the largest distance from zero on each axis
+};
+
+/// Of the vertices that faces name, or of all if there are no faces.
+VertexBox box_of(const FileMesh& mesh);
+
+/// The rule by which positions in double become an offset and floats. It looks at nothing but a
+/// coordinate and one step, a power of two, so that a vertex that two meshes of one step share, in
+/// one file or in two, is at one position. client/python/sightline/_lattice.py has the rule, too.
+///
+/// - A coordinate within kFarSteps steps of zero becomes the nearest float.
+/// - One that lies farther out becomes the nearest multiple of 2^-24 steps; of two, the even one.
+/// - On an axis where a mesh is wholly within kFarSteps steps of zero its offset is 0, else the
+///   multiple of the step nearest to its middle.
+///
+/// A mesh that is at most a step in size is then an offset and floats without further rounding:
+/// each rounded coordinate is at most a step away from the offset, and both are multiples of 2^-24
+/// steps. A coordinate that is a float does not change.
+class LatticeStep {
+ public:
+  static constexpr double kFarSteps = 16;
+
+  /// The step of a mesh or a scene whose meshes lie in this box, and have this size at most. At
+  /// 4,000,000 all meshes of 13 to 4,096 units have the step 4,096. Sizes and distances that are
+  /// 16 times as large have one that is.
+  LatticeStep(double size, const Point& reach);
+
+  double value() const { return step_; }
+  /// How far rounding moves coordinates at these distances from zero, at most.
+  double error(const Point& reach) const;
+  double rounded(double coordinate) const;
+  Point offset(const VertexBox& box) const;
+
+ private:
+  double step_;
+};
 
 }  // namespace sightline::client::importer

@@ -35,7 +35,7 @@ std::vector<Transform> composed(const std::vector<ImportedNode>& nodes,
 Transform imported(const ImportedNode& node, const Rig& rig, const Transform& local) {
   Transform out = node.parent == kNone ? rig.scene_from_file * local : local;
   if (node.mesh == kNone) return out;
-  const Point moved = out * rig.offset;
+  const Point moved = out * rig.offsets[node.mesh];
   for (std::size_t r = 0; r < 3; ++r) out[4 * r + 3] = moved[r];
   return out;
 }
@@ -65,15 +65,13 @@ Pose pose(const AnimatedScene& animated, const Animation& animation, double seco
   if (animation.deformations.empty()) return out;
   const std::vector<Transform> world = composed(scene.nodes, locals);
   for (const Deformation& deformation : animation.deformations) {
-    const std::uint32_t mesh = deformation.mesh;
-    std::vector<Point> points = rig.vertices[mesh];
-    blend(
-        rig.shapes[mesh],
-        deformation.weights.keys.empty() ? rig.weights[mesh] : sample(deformation.weights, seconds),
-        points);
-    const Skin& skin = rig.skins[mesh];
-    if (!skin.bones.empty()) put_on(skin, inverse(world[deformation.node]), world, points);
-    out.shaped.push_back({{deformation.node}, rounded(points, rig.offset)});
+    std::vector<Point> points =
+        blended(rig.vertices[deformation.mesh], rig.shapes[deformation.mesh], deformation, seconds);
+    const Skin& skin = rig.skins[deformation.mesh];
+    if (!skin.bones.empty()) {
+      put_on(skin, inverse(world[deformation.node]), world, points);
+    }
+    out.shaped.push_back({{deformation.node}, rounded(points, rig.offsets[deformation.mesh])});
   }
   return out;
 }

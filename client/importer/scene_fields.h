@@ -63,8 +63,8 @@ void fields(Archive& archive, Animation& animation) {
 
 template <class Archive>
 void fields(Archive& archive, Rig& rig) {
-  archive(rig.parent_from_local, rig.scene_from_file, rig.offset, rig.vertices, rig.skins,
-          rig.shapes, rig.weights);
+  archive(rig.parent_from_local, rig.scene_from_file, rig.offsets, rig.vertices, rig.skins,
+          rig.shapes);
 }
 
 template <class Archive>

@@ -7,14 +7,14 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "client/importer/frame.h"
-#include "client/importer/lattice.h"
 #include "client/importer/node_name.h"
-#include "client/importer/rest_pose.h"
+#include "client/importer/rebase.h"
 #include "client/importer/triangulate.h"
 
 namespace sightline::client::importer {
@@ -206,13 +206,10 @@ Status put_into_frame(ImportedScene& scene, const ImportOptions& options) {
   return {};
 }
 
-Result<Point> move_near_origin(std::vector<FileMesh>& meshes, std::vector<ImportedNode>& nodes,
-                               const ImportOptions& options) {
-  if (!options.offset) return rebase(meshes, nodes);
-  if (shift(meshes, nodes, *options.offset)) return *options.offset;
-  const auto [x, y, z] = *options.offset;
-  return import_error(
-      fmt::format("lies too far from ({}, {}, {}) to be held exactly on a lattice there", x, y, z));
+Result<Rebased> move_near_origin(std::vector<FileMesh>& meshes, std::vector<ImportedNode>& nodes,
+                                 const ImportOptions& options) {
+  if (options.offsets.size() != meshes.size()) return rebase(meshes, nodes);
+  return rebase_to(options.offsets, meshes, nodes);
 }
 
 std::vector<Vertex> rounded(const std::vector<Point>& points) {
@@ -278,10 +275,12 @@ Result<AnimatedScene> scene_from_file(FileScene file, const ImportOptions& optio
   scene.warnings = std::move(file.warnings);
   out.rig.scene_from_file = frame_conversion(scene, options.up_axis, options.meters_per_unit);
   if (const Status good = put_into_frame(scene, options); !good) return good.error();
-  const auto offset = move_near_origin(file.meshes, scene.nodes, options);
-  if (!offset) return offset.error();
-  out.rig.offset = *offset;
-  scene.meshes = convert_meshes(std::move(file.meshes), scene.warnings);
+  auto rebased = move_near_origin(file.meshes, scene.nodes, options);
+  if (!rebased) return rebased.error();
+  out.rig.offsets = std::move(rebased->offsets);
+  std::move(rebased->warnings.begin(), rebased->warnings.end(),
+            std::back_inserter(scene.warnings));
+  for (FileMesh& mesh : file.meshes) scene.meshes.push_back(convert_mesh(std::move(mesh)));
   return out;
 }
 

@@ -135,7 +135,7 @@ TEST_F(Millimetres, ARebasedFileGivesTheSameAnswers) {
   }
   const auto brought = client::importer::scene_from_file(file_of(stood), {});
   ASSERT_TRUE(brought.ok()) << brought.error().message;
-  ASSERT_EQ(brought->rig.offset, (std::array<double, 3>{far.x, 0, far.z}));
+  ASSERT_EQ(brought->rig.offsets.at(0), (std::array<double, 3>{far.x, 0, far.z}));
   ASSERT_NO_FATAL_FAILURE(upload(kHere, stood));
   ASSERT_NO_FATAL_FAILURE(upload(kThere, brought->scene));
   const std::vector<Ray> rays = moved(kilometre_rays(kRays, 2, 30), far);

@@ -238,7 +238,7 @@ end_header
 0 1 0
 4 0 1 2 2000000000
 )"));
-  EXPECT_NE(error_of(scene).find("polygon 0 names vertex 2000000000, but there are 4"),
+  EXPECT_NE(error_of(scene).find("face 0 names vertex 2000000000, but there are 4"),
             std::string::npos)
       << error_of(scene);
 }

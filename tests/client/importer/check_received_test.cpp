@@ -27,6 +27,7 @@ AnimatedScene small_scene() {
   out.scene.warnings = {{"cut_off", 2, "mesh 'a'", "a warning"}};
   out.rig.parent_from_local = {kIdentity, kIdentity};
   out.rig.vertices.push_back({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+  out.rig.offsets.emplace_back();
   out.rig.skins.push_back({{{1, kIdentity}}, {0, 1, 1, 1}, {{0, 1.0}}});
   out.rig.shapes.push_back({{{0, 0, 1}, {0, 0, 1}, {0, 0, 1}}});
   Animation animation;
@@ -121,7 +122,7 @@ TEST(CheckReceived, FindsEveryBrokenGuarantee) {
         s.rig.skins[0].first = {0, 2, 1, 1};
       },
       [](AnimatedScene& s) { s.rig.skins[0].influences[0].bone = 1; },
-      [](AnimatedScene& s) { s.rig.offset[0] = NAN; },
+      [](AnimatedScene& s) { s.rig.offsets[0][0] = NAN; },
       [](AnimatedScene& s) { s.animations[0].seconds = -1; },
       [](AnimatedScene& s) { s.animations[0].channels[0].node = 9; },
       [](AnimatedScene& s) { s.animations[0].channels[0].scalings.keys.clear(); },

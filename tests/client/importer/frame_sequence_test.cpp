@@ -112,8 +112,8 @@ TEST(FrameSequence, AllFramesAreOnTheLatticeOfTheFirst) {
 
 TEST(FrameSequence, AFrameThatTheLatticeCannotHoldIsAnError) {
   const TempDir dir;
-  dir.write("f1.obj", squares(1, 4096));
-  dir.write("f2.obj", squares(2, 1e-20));
+  dir.write("f1.obj", squares(1, 4'096'000));
+  dir.write("f2.obj", squares(2, 0.3));
   EXPECT_NE(error_of(import_sequence(dir.path(""))).find("f2.obj: lies too far"),
             std::string::npos);
 }

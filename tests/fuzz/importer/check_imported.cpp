@@ -125,7 +125,11 @@ Wrong check_rig(const AnimatedScene& animated) {
   if (rig.parent_from_local.size() != scene.nodes.size()) return "a rig of other nodes";
   if (rig.skins.size() != scene.meshes.size() || rig.shapes.size() != scene.meshes.size())
     return "a rig of other meshes";
-  if (!is_finite(rig.scene_from_file) || !is_finite(rig.offset)) return "a frame not finite";
+  if (!is_finite(rig.scene_from_file)) return "a frame not finite";
+  if (rig.offsets.size() != scene.meshes.size()) return "offsets of other meshes";
+  for (const auto& offset : rig.offsets) {
+    if (!is_finite(offset)) return "an offset not finite";
+  }
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     if (auto wrong = check_skin(rig.skins[m], scene.meshes[m], scene.nodes.size())) return wrong;
     for (const auto& shape : rig.shapes[m]) {
