@@ -41,9 +41,7 @@ void VertexBox::add(const VertexBox& other) {
   }
 }
 
-double VertexBox::size() const {
-  return std::max({hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]});
-}
+double VertexBox::size() const { return std::max({hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]}); }
 
 Point VertexBox::reach() const {
   Point reach{};
@@ -61,7 +59,9 @@ VertexBox box_of(const FileMesh& mesh) {
   return box;
 }
 
-LatticeStep::LatticeStep(double size, const Point& reach) : step_(kInfinity) {
+LatticeStep::LatticeStep() : step_(kInfinity) {}
+
+LatticeStep::LatticeStep(double size, const Point& reach) : LatticeStep() {
   const double farthest = *std::max_element(reach.begin(), reach.end());
   if (!(size > 0) || !(size < kInfinity) || !(farthest > kLeastReach)) return;
   int exponent = 0;

@@ -96,7 +96,8 @@ FileScene ObjGroups::scene(const std::string& name, const std::vector<Point>& ve
       Part& part = parts_[p];
       if (part.faces.size() == 0) continue;
       node.meshes.push_back(static_cast<std::uint32_t>(scene.meshes.size()));
-      scene.meshes.push_back(mesh_of(std::move(part.name), std::move(part.faces), vertices, number));
+      scene.meshes.push_back(
+          mesh_of(std::move(part.name), std::move(part.faces), vertices, number));
     }
     scene.nodes.push_back(std::move(node));
   }

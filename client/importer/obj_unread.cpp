@@ -13,10 +13,10 @@ namespace {
 
 // Normals, texture coordinates, materials, display, and what only curves and surfaces use.
 constexpr std::string_view kSilent[] = {
-    "vn",      "vt",         "vp",        "s",     "mtllib", "maplib", "usemap",   "mg",     "bevel",
-    "lod",     "shadow_obj", "trace_obj", "ctech", "stech",  "cstype", "deg",      "bmat",   "step",
-    "parm",    "trim",       "hole",      "scrv",  "sp",     "end",    "c_interp", "d_interp", "con",
-    "res"};
+    "vn",     "vt",    "vp",   "s",          "mtllib",    "maplib", "usemap",
+    "mg",     "bevel", "lod",  "shadow_obj", "trace_obj", "ctech",  "stech",
+    "cstype", "deg",   "bmat", "step",       "parm",      "trim",   "hole",
+    "scrv",   "sp",    "end",  "c_interp",   "d_interp",  "con",    "res"};
 constexpr std::string_view kCurves[] = {"curv", "curv2", "surf", "cdc", "cdp", "bzp", "bsp"};
 constexpr std::string_view kCalls[] = {"call", "csh"};
 
@@ -35,9 +35,7 @@ void ObjUnread::Count::add(std::uint64_t line, std::string_view keyword) {
 
 void ObjUnread::statement(std::string_view keyword, std::uint64_t line) {
   if (holds(kSilent, keyword)) return;
-  Count& count = holds(kCurves, keyword)  ? curves_
-                 : holds(kCalls, keyword) ? calls_
-                                          : unknown_;
+  Count& count = holds(kCurves, keyword) ? curves_ : holds(kCalls, keyword) ? calls_ : unknown_;
   count.add(line, keyword);
 }
 
@@ -59,8 +57,7 @@ std::vector<Warning> ObjUnread::warnings() const {
        "vertices have a weight other than 1, which polygons do not use");
   warn(empty_faces_, "empty_faces", "faces have no corner and are left out");
   if (!has_last_line_end_) {
-    warnings.push_back(
-        {"cut_off", 1, "", "its last line has no end; the file may be cut off"});
+    warnings.push_back({"cut_off", 1, "", "its last line has no end; the file may be cut off"});
   }
   return warnings;
 }

@@ -106,14 +106,14 @@ class HeaderReader {
     const std::string_view count = take_word(rest);
     const auto value = integer(count);
     if (element.name.empty() || value.value_or(-1) < 0) {
-      return import_error(fmt::format("element '{}' with the count '{}', must be a name and a number",
-                                      shown(element.name), shown(count)));
+      return import_error(
+          fmt::format("element '{}' with the count '{}', must be a name and a number",
+                      shown(element.name), shown(count)));
     }
     element.count = static_cast<std::uint64_t>(*value);
     const bool is_known = std::any_of(header_.elements.begin(), header_.elements.end(),
                                       [&](const PlyElement& e) { return e.name == element.name; });
-    if (is_known)
-      return import_error(fmt::format("a second element '{}'", shown(element.name)));
+    if (is_known) return import_error(fmt::format("a second element '{}'", shown(element.name)));
     announced_ += std::min(element.count, kEnough);
     header_.elements.push_back(std::move(element));
     return {};

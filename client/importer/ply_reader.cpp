@@ -29,7 +29,10 @@ std::size_t find_corners(const PlyElement& element) {
 class PlyReader {
  public:
   PlyReader(const SceneFile& file, PlyHeader header)
-      : file_(file), header_(std::move(header)), values_(file.bytes, header_), warnings_(header_.warnings) {}
+      : file_(file),
+        header_(std::move(header)),
+        values_(file.bytes, header_),
+        warnings_(header_.warnings) {}
 
   Result<FileScene> read() {
     if (Status good = check_vertices(); !good) return good.error();
@@ -70,11 +73,10 @@ class PlyReader {
   Status read_elements(const PlyElement& element) {
     const bool is_face = element.name == "face", is_strip = element.name == "tristrips";
     const std::size_t corners = find_corners(element);
-    const bool is_list =
-        corners < element.properties.size() && element.properties[corners].is_list;
+    const bool is_list = corners < element.properties.size() && element.properties[corners].is_list;
     if ((is_face || is_strip) && element.count > 0 && !is_list) {
-      return import_error(fmt::format("its elements '{}' have no list 'vertex_indices'",
-                                      shown(element.name)));
+      return import_error(
+          fmt::format("its elements '{}' have no list 'vertex_indices'", shown(element.name)));
     }
     if (!values_.has(element)) return values_.error();
     if (element.name == "vertex") return read_vertices(element);
@@ -108,9 +110,9 @@ class PlyReader {
   Status skip(const PlyElement& element) {
     const bool is_empty = element.count == 0 || element.properties.empty();
     if (!is_empty) {
-      warnings_.push_back({"unread_elements", element.count, shown(element.name),
-                           fmt::format("its {} elements '{}' are not read", element.count,
-                                       shown(element.name))});
+      warnings_.push_back(
+          {"unread_elements", element.count, shown(element.name),
+           fmt::format("its {} elements '{}' are not read", element.count, shown(element.name))});
     }
     for (std::uint64_t i = 0; i < element.count && !is_empty; ++i) {
       for (const PlyProperty& property : element.properties) {
@@ -145,8 +147,8 @@ class PlyReader {
   }
 
   Error no_vertex(const char* what, std::uint64_t number, double index) const {
-    return import_error(fmt::format("{} {} names vertex {}, but there are {}", what, number, index,
-                                    vertex_count_));
+    return import_error(
+        fmt::format("{} {} names vertex {}, but there are {}", what, number, index, vertex_count_));
   }
 
   Status add_face(std::uint64_t number) {

@@ -86,7 +86,9 @@ bool PlyValues::next_length(const PlyProperty& list, std::uint64_t& length) {
   if (!next(list.length_type, value)) return false;
   if (!(value >= 0) || value != std::floor(value) || value > 0xFFFFFFFF) {
     bad_ = fmt::format("{}a list '{}' of {} values",
-                       is_ascii() ? fmt::format("line {}: ", text_.line()) : "at byte " + std::to_string(at_) + ": ", shown(list.name), value);
+                       is_ascii() ? fmt::format("line {}: ", text_.line())
+                                  : "at byte " + std::to_string(at_) + ": ",
+                       shown(list.name), value);
     return false;
   }
   length = static_cast<std::uint64_t>(value);
@@ -121,8 +123,8 @@ bool PlyValues::has(const PlyElement& element) {
 
 Error PlyValues::error() const {
   if (!bad_.empty()) return import_error(bad_);
-  return import_error(fmt::format(
-      "the file is cut off: its header announces {} more bytes, or more", missing_));
+  return import_error(
+      fmt::format("the file is cut off: its header announces {} more bytes, or more", missing_));
 }
 
 Result<std::uint64_t> PlyValues::surplus_bytes() {

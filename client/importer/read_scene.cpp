@@ -12,11 +12,11 @@
 #include "client/importer/completeness.h"
 #include "client/importer/encoding.h"
 #include "client/importer/extension.h"
-#include "client/importer/obj_reader.h"
-#include "client/importer/ply_reader.h"
-#include "client/importer/preflight.h"
+#include "client/importer/formats/obj_reader.h"
+#include "client/importer/formats/ply_reader.h"
+#include "client/importer/formats/stl_reader.h"
+#include "client/importer/gltf/read_gltf.h"
 #include "client/importer/scene_from_file.h"
-#include "client/importer/stl_reader.h"
 
 namespace sightline::client::importer {
 namespace {
@@ -26,8 +26,11 @@ struct Reader {
   std::string_view extension, magic;
   Result<FileScene> (*read)(const SceneFile& file);
 };
-constexpr Reader kReaders[] = {
-    {"obj", "", read_obj}, {"ply", "ply", read_ply}, {"stl", "", read_stl}};
+constexpr Reader kReaders[] = {{"glb", "glTF", gltf::read_gltf},
+                               {"gltf", "", gltf::read_gltf},
+                               {"obj", "", formats::read_obj},
+                               {"ply", "ply", formats::read_ply},
+                               {"stl", "", formats::read_stl}};
 
 // Assimp has all other formats.
 auto reader_of(const SceneFile& file) {

@@ -113,13 +113,11 @@ void subtract_exactly(std::vector<FileMesh>& meshes, const std::vector<Point>& o
 }
 
 // Returns how far a vertex was moved, at most. Beyond the range of floats there is no distance.
-double round_and_subtract(FileMesh& mesh, const std::optional<LatticeStep>& step,
-                          const Point& offset) {
+double round_and_subtract(FileMesh& mesh, const LatticeStep& step, const Point& offset) {
   double largest = 0;
   for (Point& v : mesh.vertices) {
     for (std::size_t k = 0; k < 3 && is_finite(v); ++k) {
-      const double near = (step ? step->rounded(v[k]) : v[k]) - offset[k];
-      const auto rest = static_cast<double>(static_cast<float>(near));
+      const auto rest = static_cast<double>(static_cast<float>(step.rounded(v[k]) - offset[k]));
       const double loss = std::abs(rest + offset[k] - v[k]);
       if (std::isfinite(loss)) largest = std::max(largest, loss);
       v[k] = rest;
@@ -148,9 +146,8 @@ std::vector<LatticeStep> choose_steps(const Scene& scene, std::size_t& own_steps
   const std::vector<VertexBox>& boxes = scene.boxes;
   std::vector<std::size_t> order(boxes.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return boxes[a].size() > boxes[b].size();
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return boxes[a].size() > boxes[b].size(); });
   LatticeStep step(scene.largest, scene.box.reach());
   std::vector<LatticeStep> steps(boxes.size(), step);
   own_steps = 0;
@@ -203,10 +200,10 @@ class Losses {
 };
 
 // Near the origin, floats are what all scenes have.
-bool is_near(const VertexBox& box, const std::optional<LatticeStep>& step) {
+bool is_near(const VertexBox& box, const LatticeStep& step) {
   const Point reach = box.reach();
-  return step && std::all_of(reach.begin(), reach.end(), [&](double r) {
-           return r < LatticeStep::kFarSteps * step->value();
+  return std::isfinite(step.value()) && std::all_of(reach.begin(), reach.end(), [&](double r) {
+           return r < LatticeStep::kFarSteps * step.value();
          });
 }
 
@@ -215,10 +212,9 @@ std::vector<Warning> apply(std::vector<FileMesh>& meshes, const Scene& scene,
                            const std::vector<Point>& offsets) {
   Losses losses;
   for (std::size_t m = 0; m < meshes.size(); ++m) {
-    const auto step = steps.empty() ? std::nullopt : std::optional(steps[m]);
-    const bool near = is_near(scene.boxes[m], step);
-    const double loss = round_and_subtract(meshes[m], step, offsets[m]);
-    if (!near) losses.add(meshes[m], scene.boxes[m].size(), loss);
+    const double loss = round_and_subtract(meshes[m], steps[m], offsets[m]);
+    if (offsets[m] != Point{} || !is_near(scene.boxes[m], steps[m]))
+      losses.add(meshes[m], scene.boxes[m].size(), loss);
   }
   return losses.warnings();
 }
@@ -253,7 +249,8 @@ Rebased rebase(std::vector<FileMesh>& meshes, std::vector<ImportedNode>& nodes) 
     }
   }
   out.offsets.assign(meshes.size(), Point{});
-  out.warnings = apply(meshes, scene, {}, out.offsets);
+  const std::vector<LatticeStep> floats(meshes.size(), LatticeStep());
+  out.warnings = apply(meshes, scene, floats, out.offsets);
   return out;
 }
 

@@ -23,8 +23,8 @@ struct Rebased {
 /// carry the mesh, and leaves vertices that are floats.
 ///
 /// Where nothing needs to be rounded, all meshes have one offset: on an axis where all vertices lie
-/// kFar steps or more on one side of zero, the multiple of the step nearest to their middle, else 0.
-/// The step is the largest extent of the vertices, rounded up to a power of two. So it is if all
+/// kFar steps or more on one side of zero, the multiple of the step nearest to their middle, else
+/// 0. The step is the largest extent of the vertices, rounded up to a power of two. So it is if all
 /// vertices are floats: the rest of a vertex is a float, and the rest plus the offset is the old
 /// value; the same holds for the transforms.
 ///

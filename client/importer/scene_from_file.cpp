@@ -278,9 +278,8 @@ Result<AnimatedScene> scene_from_file(FileScene file, const ImportOptions& optio
   auto rebased = move_near_origin(file.meshes, scene.nodes, options);
   if (!rebased) return rebased.error();
   out.rig.offsets = std::move(rebased->offsets);
-  std::move(rebased->warnings.begin(), rebased->warnings.end(),
-            std::back_inserter(scene.warnings));
-  for (FileMesh& mesh : file.meshes) scene.meshes.push_back(convert_mesh(std::move(mesh)));
+  std::move(rebased->warnings.begin(), rebased->warnings.end(), std::back_inserter(scene.warnings));
+  scene.meshes = convert_meshes(std::move(file.meshes), scene.warnings);
   return out;
 }
 

@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kHeader = 84;  // the last four bytes are the number of facets
 constexpr std::size_t kFacet = 50;   // a normal, three vertices, two bytes
 constexpr std::size_t kNormal = 12;
-constexpr std::size_t kLooked = 4096;  // bytes, to tell text from binary
+constexpr std::size_t kLooked = 4096;           // bytes, to tell text from binary
 constexpr std::uint32_t kUnknown = 0xFFFFFFFF;  // written by programs that do not know the number
 
 template <class T>

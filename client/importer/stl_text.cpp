@@ -64,7 +64,8 @@ class StlTextReader {
       is_open_ = false;
       text_.rest_of_line();
     } else {
-      if (unknown_++ == 0) first_unknown_ = fmt::format("line {}: {}", text_.line(), shown(keyword));
+      if (unknown_++ == 0)
+        first_unknown_ = fmt::format("line {}: {}", text_.line(), shown(keyword));
       text_.rest_of_line();
     }
     return {};
@@ -110,8 +111,7 @@ class StlTextReader {
     for (double& x : vertex) {
       const std::string_view word = text_.word();
       const auto value = number(word);
-      if (!value)
-        return import_error(fmt::format("line {}: {}", text_.line(), not_a_number(word)));
+      if (!value) return import_error(fmt::format("line {}: {}", text_.line(), not_a_number(word)));
       x = *value;
     }
     return {};

@@ -189,8 +189,9 @@ class Seams : public testing::Test {
       const double part = r % 10 == 0 ? 0 : random.uniform();
       for (std::size_t k = 0; k < 3; ++k) {
         const double at = a[k] + part * (b[k] - a[k]);
-        const double from =
-            at + height * (k == up ? 3 : r % 3 == 0 ? 0 : random.uniform(-0.4, 0.4));
+        const double from = at + height * (k == up      ? 3
+                                           : r % 3 == 0 ? 0
+                                                        : random.uniform(-0.4, 0.4));
         origins.push_back(from);
         directions.push_back(at - from);
       }
@@ -214,22 +215,22 @@ class Seams : public testing::Test {
   std::optional<client::Client> client_;
 };
 
-struct Place {
+struct Site {
   const char* name;
   Position corner;
   double size;
   std::size_t up;
 };
 
-constexpr Place kPlaces[] = {{"UTM", {512345.678, 5412345.678, 412.345}, 900, 2},
-                             {"UTM, large", {388096.37, 3948996.81, 1641.25}, 3000, 2},
-                             {"UTM, small", {500000.001, 5400000.002, 7.3}, 30, 2},
-                             {"ECEF", {3875432.101, 332001.909, 5029123.456}, 700, 0}};
+constexpr Site kSites[] = {{"UTM", {512345.678, 5412345.678, 412.345}, 900, 2},
+                           {"UTM, large", {388096.37, 3948996.81, 1641.25}, 3000, 2},
+                           {"UTM, small", {500000.001, 5400000.002, 7.3}, 30, 2},
+                           {"ECEF", {3875432.101, 332001.909, 5029123.456}, 700, 0}};
 
 TEST_F(Seams, RaysHitTheGroundOnce) {
   Random random(1);
-  for (const Place& place : kPlaces) {
-    const Ground ground = ground_at(place.corner, place.size, place.up, random);
+  for (const Site& site : kSites) {
+    const Ground ground = ground_at(site.corner, site.size, site.up, random);
     const std::vector<Tile> tiles = tiles_of(ground);
     std::vector<std::string> objs, plys, stls;
     for (const Tile& tile : tiles) {
@@ -239,8 +240,8 @@ TEST_F(Seams, RaysHitTheGroundOnce) {
     }
     const auto check = [&](const char* how, const std::vector<std::string>& files,
                            const char* ending) {
-      SCOPED_TRACE(fmt::format("{}: {}", place.name, how));
-      expect_no_gap(import(files, ending), ground, place.up, 7);
+      SCOPED_TRACE(fmt::format("{}: {}", site.name, how));
+      expect_no_gap(import(files, ending), ground, site.up, 7);
     };
     check("one OBJ file of several objects", {obj(tiles)}, "obj");
     check("an OBJ file for each tile", objs, "obj");

@@ -52,8 +52,8 @@ TEST(Lattice, TheRestOfARoundedCoordinateIsAFloat) {
   tests::Random random(2);
   for (int round = 0; round < 5'000; ++round) {
     const double size = std::exp2(random.uniform(-20, 20));
-    const Point corner{size * std::exp2(random.uniform(-3, 35)), -size * std::exp2(random.uniform(0, 9)),
-                       size * random.uniform(-1, 1)};
+    const Point corner{size * std::exp2(random.uniform(-3, 35)),
+                       -size * std::exp2(random.uniform(0, 9)), size * random.uniform(-1, 1)};
     const VertexBox box = cube(corner, size);
     const LatticeStep step = step_of(box);
     const Point offset = step.offset(box);

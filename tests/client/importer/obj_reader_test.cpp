@@ -60,10 +60,9 @@ TEST(ObjReader, ABackslashContinuesALine) {
 }
 
 TEST(ObjReader, CornersHaveAnyForm) {
-  for (const char* face :
-       {"f 1 2 3", "f 1/ 2/ 3/", "f 1/1/ 2/2/ 3/3/", "f 1//1 2//2 3//3", "f 1// 2// 3//",
-        "f 1/7/9 2/7/9 3/7/9", "f\t1\t2\t3", "  f   1  2   3  ", "f -4 -3 -2", "f -4/-1/-1 -3 3",
-        "f +1 +2 +3"}) {
+  for (const char* face : {"f 1 2 3", "f 1/ 2/ 3/", "f 1/1/ 2/2/ 3/3/", "f 1//1 2//2 3//3",
+                           "f 1// 2// 3//", "f 1/7/9 2/7/9 3/7/9", "f\t1\t2\t3", "  f   1  2   3  ",
+                           "f -4 -3 -2", "f -4/-1/-1 -3 3", "f +1 +2 +3"}) {
     EXPECT_EQ(corners_of(std::string(kSquare) + face + "\n"), (Corners{0, 1, 2})) << face;
   }
   EXPECT_EQ(corners_of(std::string(kSquare) + "f 1 2 3 4\n"), (Corners{0, 1, 2, 3}));
@@ -114,7 +113,8 @@ TEST(ObjReader, PositionsAreTheNearestDoubles) {
 }
 
 TEST(ObjReader, ColorsAndWeightsAreNoPositions) {
-  const auto scene = read("v 1 2 3 0.5 0.5 0.5\nv 4 5 6 1\nv 7 8 9 2\nv 1 1 1 1 1 1 1\nf 1 2 3 4\n");
+  const auto scene =
+      read("v 1 2 3 0.5 0.5 0.5\nv 4 5 6 1\nv 7 8 9 2\nv 1 1 1 1 1 1 1\nf 1 2 3 4\n");
   ASSERT_TRUE(scene) << error_of(scene);
   EXPECT_EQ(scene->meshes.at(0).vertices,
             (std::vector<Point>{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {1, 1, 1}}));
@@ -190,7 +190,8 @@ TEST(ObjReader, AFileWithoutFacesIsACloud) {
 TEST(ObjReader, WhatIsNotReadIsCounted) {
   const std::string f = std::string(kSquare) + "f 1 2 3\n";
   EXPECT_EQ(warnings(f + "mtllib a.mtl\nusemtl b\ns off\nvt 0 0\nvn 0 0 1\nvp 1 2\nlod 3\n"), "");
-  const auto curves = read(f + "cstype bspline\ndeg 3\ncurv 0 1 1 2 3\nparm u 0 1\nend\nsurf 0 1\n");
+  const auto curves =
+      read(f + "cstype bspline\ndeg 3\ncurv 0 1 1 2 3\nparm u 0 1\nend\nsurf 0 1\n");
   ASSERT_TRUE(curves) << error_of(curves);
   ASSERT_EQ(kinds_of(*curves), "curves_and_surfaces ");
   EXPECT_EQ(curves->warnings[0].count, 2U);

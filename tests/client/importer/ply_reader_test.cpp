@@ -102,12 +102,14 @@ TEST(PlyReader, DoublesKeepAllTheirBits) {
 
 TEST(PlyReader, OtherPropertiesAndElementsAreSkipped) {
   const std::string elements =
-      "comment made by hand\nobj_info num_cols 3\nelement vertex 3\nproperty list uchar short seen\n" +
+      "comment made by hand\nobj_info num_cols 3\nelement vertex 3\nproperty list uchar short "
+      "seen\n" +
       std::string(kPositions) +
       "property uchar red\nelement camera 1\nproperty list int float params\nelement face 1\n"
       "property int flags\n" +
-      kList + "property list uchar float texcoord\nelement edge 2\nproperty int vertex1\n"
-              "property int vertex2\n";
+      kList +
+      "property list uchar float texcoord\nelement edge 2\nproperty int vertex1\n"
+      "property int vertex2\n";
   const std::string text =
       "1 7 0 0 0 255\n0 1 0 0 255\n2 7 8 0 1 0 255\n2 0.5 0.5\n9 3 0 1 2 2 0.5 0.5\n0 1\n1 2\n";
   std::string binary;
@@ -135,7 +137,8 @@ TEST(PlyReader, OtherPropertiesAndElementsAreSkipped) {
 }
 
 TEST(PlyReader, HeadersEndInAnyWay) {
-  const std::string lines = header("ascii", vertices(3) + faces(1)) + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  const std::string lines =
+      header("ascii", vertices(3) + faces(1)) + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
   for (const char* end : {"\r\n", "\r", " \n"}) {
     std::string text;
     for (const char c : lines) text += c == '\n' ? std::string(end) : std::string(1, c);
@@ -178,9 +181,10 @@ TEST(PlyReader, LinesWithMoreValuesThanPropertiesAreRefused) {
 
 TEST(PlyReader, StripsAreTriangles) {
   const auto strips = [](const std::string& type, const std::string& text) {
-    const auto scene = read(header("ascii", vertices(5) + "element tristrips 1\nproperty list int " +
-                                                type + " vertex_indices\n") +
-                            "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n" + text);
+    const auto scene =
+        read(header("ascii", vertices(5) + "element tristrips 1\nproperty list int " + type +
+                                 " vertex_indices\n") +
+             "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n" + text);
     EXPECT_TRUE(scene) << error_of(scene);
     return scene ? scene->meshes.at(0).faces.corners : Corners{};
   };
@@ -211,8 +215,8 @@ TEST(PlyReader, PolygonsHaveAnyNumberOfCorners) {
 }
 
 TEST(PlyReader, AFileWithoutFacesIsACloud) {
-  for (const std::string& elements : {vertices(2), vertices(2) + faces(0),
-                                      vertices(2) + "element face 0\n"}) {
+  for (const std::string& elements :
+       {vertices(2), vertices(2) + faces(0), vertices(2) + "element face 0\n"}) {
     const auto scene = read(header("ascii", elements) + "0 0 0\n1 1 1\n");
     ASSERT_TRUE(scene) << error_of(scene);
     EXPECT_EQ(scene->meshes.at(0).vertices.size(), 2U);
@@ -231,9 +235,9 @@ TEST(PlyReader, MissingVerticesAreRefused) {
   EXPECT_EQ(refused("3 0 -1 2"), "face 1 names vertex -1, but there are 3");
   EXPECT_EQ(refused("3 0 1.5 2"), "face 1 names vertex 1.5, but there are 3");
   EXPECT_EQ(refused("-3 0 1 2"), "line 14: a list 'vertex_indices' of -3 values");
-  const auto strip = read(header("binary_little_endian",
-                                 vertices(3) + "element tristrips 1\n" + kList) +
-                          triangle<float>() + face({0, 1, -2}));
+  const auto strip =
+      read(header("binary_little_endian", vertices(3) + "element tristrips 1\n" + kList) +
+           triangle<float>() + face({0, 1, -2}));
   EXPECT_EQ(error_of(strip), "strip 0 names vertex -2, but there are 3");
 }
 
@@ -243,8 +247,9 @@ TEST(PlyReader, VerticesWithoutAPositionAreRefused) {
   };
   EXPECT_EQ(refused("element vertex 1\nproperty float x\nproperty float y\n"),
             "its vertices have no property 'z'");
-  EXPECT_EQ(refused("element vertex 1\nproperty list uchar float x\nproperty int y\nproperty int z\n"),
-            "its vertices have no property 'x'");
+  EXPECT_EQ(
+      refused("element vertex 1\nproperty list uchar float x\nproperty int y\nproperty int z\n"),
+      "its vertices have no property 'x'");
   EXPECT_EQ(refused("element point 1\nproperty float x\n"),
             "the PLY header has no element 'vertex'");
   EXPECT_EQ(refused(vertices(1) + "element face 1\nproperty list uchar float texcoord\n"),
@@ -268,7 +273,8 @@ TEST(PlyReader, AFileThatEndsEarlyIsRefused) {
 
 TEST(PlyReader, HugeNumbersDoNotOverflow) {
   const auto refused = [](const std::string& elements) {
-    return error_of(read(header("binary_big_endian", vertices(0) + elements) + std::string(8, '\xff')));
+    return error_of(
+        read(header("binary_big_endian", vertices(0) + elements) + std::string(8, '\xff')));
   };
   EXPECT_TRUE(holds(refused("element a 9223372036854775807\nproperty double b\n"), "announces"));
   EXPECT_TRUE(holds(refused("element a 1\nproperty list uint double b\n"), "cut off"));

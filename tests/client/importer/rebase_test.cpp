@@ -215,8 +215,7 @@ f 3 2 1
 Point placed(const Scene& scene, std::uint32_t mesh, std::size_t vertex) {
   Point at{};
   for (std::size_t k = 0; k < 3; ++k) {
-    at[k] = scene.meshes[mesh].vertices[vertex][k] +
-            scene.nodes[mesh].parent_from_local[4 * k + 3];
+    at[k] = scene.meshes[mesh].vertices[vertex][k] + scene.nodes[mesh].parent_from_local[4 * k + 3];
   }
   return at;
 }
@@ -234,7 +233,8 @@ double distance(const Point& a, const Point& b) {
 }
 
 // Points of a square of this size, in millimeters.
-std::vector<Point> surveyed(const Point& corner, double size, std::size_t n, tests::Random& random) {
+std::vector<Point> surveyed(const Point& corner, double size, std::size_t n,
+                            tests::Random& random) {
   std::vector<Point> points;
   for (std::size_t i = 0; i < n; ++i) {
     Point p{};
@@ -277,8 +277,8 @@ TEST(Rebase, SharedVerticesAreAtOnePosition) {
       right.push_back({corner[0] - other, corner[1] + 7, corner[2] + 1});
       Scene together = scene_of({mesh_of(left), mesh_of(right)});
       Scene one = scene_of({mesh_of(left)}), two = scene_of({mesh_of(right)});
-      Scene apart = scene_of({mesh_of(surveyed({0, 0, 0}, 1, 5, random)), mesh_of(right)});
-      for (Scene* scene : {&together, &one, &two, &apart}) {
+      Scene alone = scene_of({mesh_of(surveyed({0, 0, 0}, 1, 5, random)), mesh_of(right)});
+      for (Scene* scene : {&together, &one, &two, &alone}) {
         EXPECT_TRUE(importer::rebase(scene->meshes, scene->nodes).warnings.empty());
         expect_floats(*scene);
       }
@@ -287,7 +287,7 @@ TEST(Rebase, SharedVerticesAreAtOnePosition) {
         EXPECT_EQ(placed(together, 1, i), at);
         EXPECT_EQ(placed(one, 0, i), at);
         EXPECT_EQ(placed(two, 0, i), at);
-        EXPECT_EQ(placed(apart, 1, i), at);
+        EXPECT_EQ(placed(alone, 1, i), at);
       }
     }
   }
@@ -298,7 +298,8 @@ TEST(Rebase, MeshesFarFromEachOtherHaveOffsetsOfTheirOwn) {
   const Point there{kUtm[0] + 50'000, kUtm[1] - 70'000, kUtm[2]};
   const std::vector<Point> here = surveyed(kUtm, 30, 50, random);
   const std::vector<Point> far = surveyed(there, 30, 50, random);
-  Scene scene = scene_of({mesh_of(here), mesh_of(far), mesh_of({{0, 0, 0}, {1, 0, 0}, {0, 0.1, 0}})});
+  Scene scene =
+      scene_of({mesh_of(here), mesh_of(far), mesh_of({{0, 0, 0}, {1, 0, 0}, {0, 0.1, 0}})});
   const Rebased rebased = importer::rebase(scene.meshes, scene.nodes);
   EXPECT_TRUE(rebased.warnings.empty());
   EXPECT_NE(rebased.offsets[0], rebased.offsets[1]);
@@ -318,13 +319,15 @@ TEST(Rebase, NearScenesAreRoundedToFloats) {
     EXPECT_EQ(rebase(scene), kNowhere);
     for (std::size_t i = 0; i < file.size(); ++i) {
       for (std::size_t k = 0; k < 3; ++k)
-        EXPECT_EQ(scene.meshes[0].vertices[i][k], static_cast<double>(static_cast<float>(file[i][k])));
+        EXPECT_EQ(scene.meshes[0].vertices[i][k],
+                  static_cast<double>(static_cast<float>(file[i][k])));
     }
   }
 }
 
 TEST(Rebase, VerticesWithoutAFaceDoNotCount) {
-  FileMesh mesh = mesh_of({{0, 0, 0}, {5e5, 4e6, 1.1}, {500000.1, 4e6, 1.1}, {5e5, 4000000.1, 1.1}});
+  FileMesh mesh =
+      mesh_of({{0, 0, 0}, {5e5, 4e6, 1.1}, {500000.1, 4e6, 1.1}, {5e5, 4000000.1, 1.1}});
   mesh.faces = {{0, 3}, {1, 2, 3}};
   Scene scene = scene_of({mesh});
   EXPECT_TRUE(importer::rebase(scene.meshes, scene.nodes).warnings.empty());
@@ -334,8 +337,8 @@ TEST(Rebase, VerticesWithoutAFaceDoNotCount) {
 TEST(Rebase, ALossIsAWarning) {
   tests::Random random(6);
   // A box among tiles, a node that cannot be moved, and a mesh from the origin to here.
-  Scene among = scene_of({mesh_of(surveyed(kUtm, 3000, 50, random)),
-                          mesh_of(surveyed(kUtm, 0.1, 50, random))});
+  Scene among = scene_of(
+      {mesh_of(surveyed(kUtm, 3000, 50, random)), mesh_of(surveyed(kUtm, 0.1, 50, random))});
   const auto first = importer::rebase(among.meshes, among.nodes).warnings;
   ASSERT_EQ(first.size(), 1U);
   EXPECT_EQ(first[0].kind, "precision");

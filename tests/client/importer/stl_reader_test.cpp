@@ -66,8 +66,9 @@ std::string kinds(const std::string& bytes) {
 TEST(StlReader, KeywordsAreInAnyCase) {
   const std::string text = "solid part\n" + std::string(kFacet) + kFacet + "endsolid part\n";
   const std::string head = "solid part", Head = "Solid part";
-  for (const std::string& t : {text, upper(text), changed(text, "solid", "Solid"),
-                               changed(text, "facet", "FACET"), changed(text, "vertex", "Vertex")}) {
+  for (const std::string& t :
+       {text, upper(text), changed(text, "solid", "Solid"), changed(text, "facet", "FACET"),
+        changed(text, "vertex", "Vertex")}) {
     EXPECT_EQ(facets(read(t)), "2 ") << t;
     EXPECT_EQ(kinds(t), "") << t;
   }
@@ -111,8 +112,9 @@ TEST(StlReader, AsciiFilesThatAreCutOffAreADoubt) {
   const std::string text = "solid a\n" + std::string(kFacet);
   EXPECT_EQ(kinds(text + "endsolid"), "");
   for (const std::string& end : {std::string(), std::string(kFacet), std::string("facet normal 0"),
-                                 std::string(kFacet).substr(0, 60), std::string("facet normal 0 0 1 "
-                                 "outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1.")}) {
+                                 std::string(kFacet).substr(0, 60),
+                                 std::string("facet normal 0 0 1 "
+                                             "outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1.")}) {
     EXPECT_EQ(kinds(text + end), "cut_off ") << end;
     EXPECT_EQ(facets(read(text + end)), end == kFacet ? "2 " : "1 ") << end;
   }
@@ -122,9 +124,10 @@ TEST(StlReader, FacetsHaveThreeVertices) {
   const std::string start = "solid a\n", end = "endsolid a\n";
   EXPECT_EQ(error_of(read(start + changed(kFacet, "  vertex 1 0 0\n", "") + end)),
             "line 2: a facet has 2 vertices, must have 3");
-  EXPECT_EQ(error_of(read(start + kFacet +
-                          changed(kFacet, "  vertex 1 0 0\n", "vertex 1 0 0\nvertex 1 1 1\n") + end)),
-            "line 9: a facet has 4 vertices, must have 3");
+  EXPECT_EQ(
+      error_of(read(start + kFacet +
+                    changed(kFacet, "  vertex 1 0 0\n", "vertex 1 0 0\nvertex 1 1 1\n") + end)),
+      "line 9: a facet has 4 vertices, must have 3");
   EXPECT_TRUE(holds(error_of(read(start + "facet normal 0 0 1\n" + kFacet + end)),
                     "line 3: 'facet' before the end of a facet"));
   EXPECT_TRUE(holds(error_of(read(start + changed(kFacet, "1.5e0", "1,5") + end)),
@@ -170,8 +173,9 @@ TEST(StlReader, BytesAfterTheFacetsAreAWarning) {
 
 TEST(StlReader, FilesThatAreNoStlAreRefused) {
   const std::string whole = binary(3, 3);
-  EXPECT_TRUE(holds(error_of(read(whole.substr(0, whole.size() - 1))),
-                    "cut off: its header announces 3 facets, which need 234 bytes, and it has 233"));
+  EXPECT_TRUE(
+      holds(error_of(read(whole.substr(0, whole.size() - 1))),
+            "cut off: its header announces 3 facets, which need 234 bytes, and it has 233"));
   EXPECT_TRUE(holds(error_of(read(whole.substr(0, 100))), "cut off"));
   EXPECT_TRUE(holds(error_of(read(binary(0, 0).substr(0, 83))), "no STL file: it has 83 bytes"));
   EXPECT_TRUE(holds(error_of(read("hello")), "does not begin with 'solid'"));
