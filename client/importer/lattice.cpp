@@ -14,7 +14,7 @@ constexpr double kQuantum = 0x1p-24;       // steps
 constexpr double kReach = 0x1p-12;         // of where a mesh lies: the step of most meshes there
 constexpr double kLarger = 0x1p4;          // to the step for meshes that do not fit
 constexpr double kSmaller = 0x1p-3;        // to the step for meshes that it is too coarse for
-constexpr double kChosenLoss = 1e-5;       // of a mesh's size, for which a step is too coarse
+constexpr double kChosenLoss = 1e-4;       // of a mesh's size, for which a step is too coarse
 constexpr double kLeastReach = 0x1p-1000;  // floats do not tell such coordinates from zero
 
 }  // namespace

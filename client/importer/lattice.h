@@ -42,7 +42,7 @@ class LatticeStep {
   /// An infinite step: all coordinates become floats.
   LatticeStep();
   /// The step of a mesh or a scene whose meshes lie in this box, and have this size at most. At
-  /// 4,000,000 all meshes of 13 to 4,096 units have the step 4,096. Sizes and distances that are
+  /// 4,000,000 all meshes of 1.3 to 4,096 units have the step 4,096. Sizes and distances that are
   /// 16 times as large have one that is.
   LatticeStep(double size, const Point& reach);
 

@@ -90,6 +90,14 @@ std::optional<std::vector<ImportedNode>> moved(std::vector<ImportedNode> nodes,
   return nodes;
 }
 
+bool are_floats(const std::vector<FileMesh>& meshes) {
+  return std::all_of(meshes.begin(), meshes.end(), [](const FileMesh& mesh) {
+    return std::all_of(mesh.vertices.begin(), mesh.vertices.end(), [](const Point& v) {
+      return !is_finite(v) || std::all_of(v.begin(), v.end(), is_float);
+    });
+  });
+}
+
 // Whether the rest of every vertex is a float.
 bool is_exact(const std::vector<FileMesh>& meshes, const std::vector<Point>& offsets) {
   for (std::size_t m = 0; m < meshes.size(); ++m) {
@@ -231,7 +239,7 @@ Rebased rebase(std::vector<FileMesh>& meshes, std::vector<ImportedNode>& nodes) 
   const Scene scene(meshes);
   Rebased out;
   out.offsets.assign(meshes.size(), exact_offset(scene.box));
-  if (is_exact(meshes, out.offsets)) {
+  if (are_floats(meshes) && is_exact(meshes, out.offsets)) {
     if (auto with_offsets = moved(nodes, out.offsets)) {
       nodes = *std::move(with_offsets);
       subtract_exactly(meshes, out.offsets);

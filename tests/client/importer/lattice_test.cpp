@@ -23,7 +23,7 @@ LatticeStep step_of(const VertexBox& box) { return {box.size(), box.reach()}; }
 bool is_float(double x) { return static_cast<double>(static_cast<float>(x)) == x; }
 
 TEST(Lattice, MeshesOfManySizesHaveOneStep) {
-  for (const double size : {13.0, 100.0, 999.9, 4096.0})
+  for (const double size : {1.3, 13.0, 100.0, 999.9, 4096.0})
     EXPECT_EQ(step_of(cube({4e6, 5e5, 100}, size)).value(), 4096) << size;
   EXPECT_EQ(step_of(cube({4e6, 5e5, 100}, 4097)).value(), 65536);
   EXPECT_LT(step_of(cube({4e6, 5e5, 100}, 1)).value(), 4096);

@@ -16,20 +16,20 @@ using Corners = std::vector<std::uint32_t>;
 
 constexpr const char* kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
-Result<FileScene> read(const std::string& text) { return read_bytes(read_obj, text, "a.obj"); }
+Result<FileScene> obj(const std::string& text) { return read_bytes(read_obj, text, "a.obj"); }
 
 // The corners of the only mesh.
 Corners corners_of(const std::string& text) {
-  const auto scene = read(text);
+  const auto scene = obj(text);
   EXPECT_TRUE(scene) << error_of(scene) << " in " << text;
   if (!scene || scene->meshes.size() != 1) return {};
   return scene->meshes[0].faces.corners;
 }
 
-std::string refusal(const std::string& statements) { return error_of(read(kSquare + statements)); }
+std::string refusal(const std::string& statements) { return error_of(obj(kSquare + statements)); }
 
 std::string warnings(const std::string& text) {
-  const auto scene = read(text);
+  const auto scene = obj(text);
   return scene ? kinds_of(*scene) : scene.error().message;
 }
 
@@ -76,7 +76,7 @@ TEST(ObjReader, NegativeCornersCountFromTheirLine) {
 TEST(ObjReader, FacesMayComeBeforeTheirVertices) {
   EXPECT_EQ(corners_of(std::string("f 1 2 3\n") + kSquare + "f 2 3 4\n"),
             (Corners{0, 1, 2, 1, 2, 3}));
-  EXPECT_EQ(error_of(read(std::string("f 1 2 3\nf 2 3 5\n") + kSquare)),
+  EXPECT_EQ(error_of(obj(std::string("f 1 2 3\nf 2 3 5\n") + kSquare)),
             "line 2: a face names vertex 5, but there are 4");
 }
 
@@ -89,19 +89,19 @@ TEST(ObjReader, MissingVerticesAreRefused) {
 }
 
 TEST(ObjReader, WordsThatAreNoNumberAreRefused) {
-  EXPECT_TRUE(holds(error_of(read("v 0 0\n")), "line 1: a vertex has 2 numbers"));
-  EXPECT_TRUE(holds(error_of(read("v 0 0 x\n")), "line 1: 'x' is no number"));
-  EXPECT_TRUE(holds(error_of(read("\nv 1,5 0 0\n")), "line 2: '1,5' is no number; the decimal"));
-  EXPECT_TRUE(holds(error_of(read("v 1, 2, 3\n")), "'1,' is no number"));
-  EXPECT_TRUE(holds(error_of(read("v 0x10 0 0\n")), "'0x10'"));
+  EXPECT_TRUE(holds(error_of(obj("v 0 0\n")), "line 1: a vertex has 2 numbers"));
+  EXPECT_TRUE(holds(error_of(obj("v 0 0 x\n")), "line 1: 'x' is no number"));
+  EXPECT_TRUE(holds(error_of(obj("\nv 1,5 0 0\n")), "line 2: '1,5' is no number; the decimal"));
+  EXPECT_TRUE(holds(error_of(obj("v 1, 2, 3\n")), "'1,' is no number"));
+  EXPECT_TRUE(holds(error_of(obj("v 0x10 0 0\n")), "'0x10'"));
   for (const char* face : {"f 1 2 a\n", "f 1 2 3.5\n", "f 1 2 3/a\n", "f 1 2 /3\n", "f 1;2;3\n"})
     EXPECT_TRUE(holds(refusal(face), "is no corner of a face")) << face;
 }
 
 TEST(ObjReader, PositionsAreTheNearestDoubles) {
-  const auto scene = read(
-      "v 388096.37 3948996.813 -1e-3\nv +1. .5 1E+2\nv 1e999 -1e999 1e-999\nv nan -inf 1.#INF\n"
-      "f 1 2 3 4\n");
+  const auto scene =
+      obj("v 388096.37 3948996.813 -1e-3\nv +1. .5 1E+2\nv 1e999 -1e999 1e-999\nv nan -inf 1.#INF\n"
+          "f 1 2 3 4\n");
   ASSERT_TRUE(scene) << error_of(scene);
   const std::vector<Point>& v = scene->meshes.at(0).vertices;
   EXPECT_EQ(v[0], (Point{388096.37, 3948996.813, -1e-3}));
@@ -113,8 +113,7 @@ TEST(ObjReader, PositionsAreTheNearestDoubles) {
 }
 
 TEST(ObjReader, ColorsAndWeightsAreNoPositions) {
-  const auto scene =
-      read("v 1 2 3 0.5 0.5 0.5\nv 4 5 6 1\nv 7 8 9 2\nv 1 1 1 1 1 1 1\nf 1 2 3 4\n");
+  const auto scene = obj("v 1 2 3 0.5 0.5 0.5\nv 4 5 6 1\nv 7 8 9 2\nv 1 1 1 1 1 1 1\nf 1 2 3 4\n");
   ASSERT_TRUE(scene) << error_of(scene);
   EXPECT_EQ(scene->meshes.at(0).vertices,
             (std::vector<Point>{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {1, 1, 1}}));
@@ -124,7 +123,7 @@ TEST(ObjReader, ColorsAndWeightsAreNoPositions) {
 }
 
 TEST(ObjReader, LinesAndPointsAreFacesOfFewCorners) {
-  const auto scene = read(std::string(kSquare) + "l 1 2 3\np 4 1\nf 1 2\nf 1 2 3\n");
+  const auto scene = obj(std::string(kSquare) + "l 1 2 3\np 4 1\nf 1 2\nf 1 2 3\n");
   ASSERT_TRUE(scene) << error_of(scene);
   const Polygons& faces = scene->meshes.at(0).faces;
   EXPECT_EQ(faces.first, (Corners{0, 2, 4, 5, 6, 8, 11}));
@@ -133,7 +132,7 @@ TEST(ObjReader, LinesAndPointsAreFacesOfFewCorners) {
 
 // A node for each line, with its meshes as NAME(faces).
 std::string outline(const std::string& statements) {
-  const auto scene = read(kSquare + statements);
+  const auto scene = obj(kSquare + statements);
   if (!scene) return scene.error().message;
   std::string out;
   for (const FileNode& node : scene->nodes) {
@@ -170,7 +169,7 @@ TEST(ObjReader, AnObjectGoesOnUnderItsName) {
 }
 
 TEST(ObjReader, MeshesHaveTheirVerticesInTheOrderOfTheFile) {
-  const auto scene = read(std::string(kSquare) + "o a\nf 4 3 2\no b\nf 3 1 2\n");
+  const auto scene = obj(std::string(kSquare) + "o a\nf 4 3 2\no b\nf 3 1 2\n");
   ASSERT_TRUE(scene) << error_of(scene);
   EXPECT_EQ(scene->meshes.at(0).vertices, (std::vector<Point>{{1, 0, 0}, {1, 1, 0}, {0, 1, 0}}));
   EXPECT_EQ(scene->meshes.at(0).faces.corners, (Corners{2, 1, 0}));
@@ -179,7 +178,7 @@ TEST(ObjReader, MeshesHaveTheirVerticesInTheOrderOfTheFile) {
 
 TEST(ObjReader, AFileWithoutFacesIsACloud) {
   for (const char* end : {"", "o cloud\n", "vn 0 0 1\n"}) {
-    const auto scene = read(std::string(kSquare) + end);
+    const auto scene = obj(std::string(kSquare) + end);
     ASSERT_TRUE(scene) << error_of(scene);
     ASSERT_EQ(scene->meshes.size(), 1U);
     EXPECT_EQ(scene->meshes[0].vertices.size(), 4U);
@@ -190,8 +189,7 @@ TEST(ObjReader, AFileWithoutFacesIsACloud) {
 TEST(ObjReader, WhatIsNotReadIsCounted) {
   const std::string f = std::string(kSquare) + "f 1 2 3\n";
   EXPECT_EQ(warnings(f + "mtllib a.mtl\nusemtl b\ns off\nvt 0 0\nvn 0 0 1\nvp 1 2\nlod 3\n"), "");
-  const auto curves =
-      read(f + "cstype bspline\ndeg 3\ncurv 0 1 1 2 3\nparm u 0 1\nend\nsurf 0 1\n");
+  const auto curves = obj(f + "cstype bspline\ndeg 3\ncurv 0 1 1 2 3\nparm u 0 1\nend\nsurf 0 1\n");
   ASSERT_TRUE(curves) << error_of(curves);
   ASSERT_EQ(kinds_of(*curves), "curves_and_surfaces ");
   EXPECT_EQ(curves->warnings[0].count, 2U);
@@ -211,7 +209,7 @@ TEST(ObjReader, TheLastStatementIsWhole) {
     EXPECT_EQ(warnings(start + end), "cut_off ") << end;
   for (const char* end : {"f 1 2", "f", "v 0 0", "v 0 0 1e", "v 0 0 -", "f 1 2 3/", "f 1 2 -",
                           "f 1/1/1 2/2/2 3/3/", "f 1/1/1 2/2/2 3/3", "l 1", "vn 0 0"})
-    EXPECT_TRUE(holds(error_of(read(start + end)), "cut off: its last line is no whole")) << end;
+    EXPECT_TRUE(holds(error_of(obj(start + end)), "cut off: its last line is no whole")) << end;
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ using Corners = std::vector<std::uint32_t>;
 constexpr const char* kPositions = "property float x\nproperty float y\nproperty float z\n";
 constexpr const char* kList = "property list uchar int vertex_indices\n";
 
-Result<FileScene> read(const std::string& bytes) { return read_bytes(read_ply, bytes, "a.ply"); }
+Result<FileScene> ply(const std::string& bytes) { return read_bytes(read_ply, bytes, "a.ply"); }
 
 std::string header(const std::string& format, const std::string& elements) {
   return "ply\nformat " + format + " 1.0\n" + elements + "end_header\n";
@@ -53,7 +53,7 @@ std::string face(std::vector<std::int32_t> corners, bool is_big = false) {
 }
 
 void expect_triangle(const std::string& bytes) {
-  const auto scene = read(bytes);
+  const auto scene = ply(bytes);
   ASSERT_TRUE(scene) << error_of(scene) << " in " << bytes;
   ASSERT_EQ(scene->meshes.size(), 1U);
   EXPECT_EQ(scene->meshes[0].vertices, (std::vector<Point>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}))
@@ -91,11 +91,11 @@ TEST(PlyReader, DoublesKeepAllTheirBits) {
       "element vertex 1\nproperty double z\nproperty uchar red\nproperty double y\nproperty double "
       "x\n";
   const Point expected{388096.37, 3948996.813, 41.25};
-  const auto text = read(header("ascii", elements) + "41.25 255 3948996.813 388096.37\n");
+  const auto text = ply(header("ascii", elements) + "41.25 255 3948996.813 388096.37\n");
   ASSERT_TRUE(text) << error_of(text);
   EXPECT_EQ(text->meshes.at(0).vertices.at(0), expected);
-  const auto binary = read(header("binary_big_endian", elements) + bytes_of(41.25, true) + "\xff" +
-                           bytes_of(3948996.813, true) + bytes_of(388096.37, true));
+  const auto binary = ply(header("binary_big_endian", elements) + bytes_of(41.25, true) + "\xff" +
+                          bytes_of(3948996.813, true) + bytes_of(388096.37, true));
   ASSERT_TRUE(binary) << error_of(binary);
   EXPECT_EQ(binary->meshes.at(0).vertices.at(0), expected);
 }
@@ -125,7 +125,7 @@ TEST(PlyReader, OtherPropertiesAndElementsAreSkipped) {
             std::string(1, '\2') + bytes_of(0.5F) + bytes_of(0.5F) + std::string(16, '\0');
   for (const auto& [format, body] : {std::pair<const char*, const std::string&>{"ascii", text},
                                      {"binary_little_endian", binary}}) {
-    const auto scene = read(header(format, elements) + body);
+    const auto scene = ply(header(format, elements) + body);
     ASSERT_TRUE(scene) << error_of(scene);
     EXPECT_EQ(scene->meshes.at(0).vertices, (std::vector<Point>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
     EXPECT_EQ(scene->meshes.at(0).faces.corners, (Corners{0, 1, 2}));
@@ -156,7 +156,7 @@ TEST(PlyReader, ABodyMayBeginWithAnyByte) {
       head += c == '\n' ? end : std::string(1, c);
     for (const int first : {10, 13, 32, 9, 0, 255, 35}) {
       const std::string body = static_cast<char>(first) + std::string(8, '\1');
-      const auto scene = read(head + body);
+      const auto scene = ply(head + body);
       ASSERT_TRUE(scene) << error_of(scene);
       EXPECT_EQ(scene->meshes.at(0).vertices.at(0), (Point{static_cast<double>(first), 1, 1}));
       EXPECT_EQ(kinds_of(*scene), "");
@@ -173,18 +173,17 @@ TEST(PlyReader, TextMayBeBrokenAnywhere) {
 
 TEST(PlyReader, LinesWithMoreValuesThanPropertiesAreRefused) {
   const std::string head = header("ascii", vertices(3) + faces(1));
-  EXPECT_TRUE(holds(error_of(read(head + "0 0 0 9\n1 0 0 9\n0 1 0 9\n3 0 1 2\n")), ""));
-  EXPECT_EQ(error_of(read(head + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 255 0 0\n")),
+  EXPECT_TRUE(holds(error_of(ply(head + "0 0 0 9\n1 0 0 9\n0 1 0 9\n3 0 1 2\n")), ""));
+  EXPECT_EQ(error_of(ply(head + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 255 0 0\n")),
             "line 13 has more values than its element has properties in the header");
-  EXPECT_FALSE(read(head + "0 0 0 1\n1 0 0 1\n0 1 0 1\n3 0 1 2\n"));
+  EXPECT_FALSE(ply(head + "0 0 0 1\n1 0 0 1\n0 1 0 1\n3 0 1 2\n"));
 }
 
 TEST(PlyReader, StripsAreTriangles) {
   const auto strips = [](const std::string& type, const std::string& text) {
-    const auto scene =
-        read(header("ascii", vertices(5) + "element tristrips 1\nproperty list int " + type +
-                                 " vertex_indices\n") +
-             "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n" + text);
+    const auto scene = ply(header("ascii", vertices(5) + "element tristrips 1\nproperty list int " +
+                                               type + " vertex_indices\n") +
+                           "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n" + text);
     EXPECT_TRUE(scene) << error_of(scene);
     return scene ? scene->meshes.at(0).faces.corners : Corners{};
   };
@@ -198,18 +197,18 @@ TEST(PlyReader, StripsAreTriangles) {
 
 TEST(PlyReader, StripsFollowFaces) {
   const auto scene =
-      read(header("binary_big_endian", vertices(3) + faces(1) +
-                                           "element tristrips 2\nproperty list ushort short "
-                                           "vertex_index\n") +
-           triangle<float>(true) + face({0, 1, 2}, true) + std::string("\0\3\0\0\0\2\0\1", 8) +
-           std::string("\0\4\xff\xff\0\2\0\0\0\1", 10));
+      ply(header("binary_big_endian", vertices(3) + faces(1) +
+                                          "element tristrips 2\nproperty list ushort short "
+                                          "vertex_index\n") +
+          triangle<float>(true) + face({0, 1, 2}, true) + std::string("\0\3\0\0\0\2\0\1", 8) +
+          std::string("\0\4\xff\xff\0\2\0\0\0\1", 10));
   ASSERT_TRUE(scene) << error_of(scene);
   EXPECT_EQ(scene->meshes.at(0).faces.corners, (Corners{0, 1, 2, 0, 2, 1, 2, 0, 1}));
 }
 
 TEST(PlyReader, PolygonsHaveAnyNumberOfCorners) {
-  const auto scene = read(header("ascii", vertices(4) + faces(5)) +
-                          "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n2 0 1\n1 3\n0\n3 0 1 2\n");
+  const auto scene = ply(header("ascii", vertices(4) + faces(5)) +
+                         "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n2 0 1\n1 3\n0\n3 0 1 2\n");
   ASSERT_TRUE(scene) << error_of(scene);
   EXPECT_EQ(scene->meshes.at(0).faces.first, (Corners{0, 4, 6, 7, 7, 10}));
 }
@@ -217,7 +216,7 @@ TEST(PlyReader, PolygonsHaveAnyNumberOfCorners) {
 TEST(PlyReader, AFileWithoutFacesIsACloud) {
   for (const std::string& elements :
        {vertices(2), vertices(2) + faces(0), vertices(2) + "element face 0\n"}) {
-    const auto scene = read(header("ascii", elements) + "0 0 0\n1 1 1\n");
+    const auto scene = ply(header("ascii", elements) + "0 0 0\n1 1 1\n");
     ASSERT_TRUE(scene) << error_of(scene);
     EXPECT_EQ(scene->meshes.at(0).vertices.size(), 2U);
     EXPECT_EQ(scene->meshes.at(0).faces.size(), 0U);
@@ -227,8 +226,8 @@ TEST(PlyReader, AFileWithoutFacesIsACloud) {
 
 TEST(PlyReader, MissingVerticesAreRefused) {
   const auto refused = [](const std::string& list) {
-    return error_of(read(header("ascii", vertices(3) + faces(2)) +
-                         "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n" + list + "\n"));
+    return error_of(ply(header("ascii", vertices(3) + faces(2)) + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n" +
+                        list + "\n"));
   };
   EXPECT_EQ(refused("3 0 1 3"), "face 1 names vertex 3, but there are 3");
   EXPECT_EQ(refused("4 0 1 2 2000000000"), "face 1 names vertex 2000000000, but there are 3");
@@ -236,14 +235,14 @@ TEST(PlyReader, MissingVerticesAreRefused) {
   EXPECT_EQ(refused("3 0 1.5 2"), "face 1 names vertex 1.5, but there are 3");
   EXPECT_EQ(refused("-3 0 1 2"), "line 14: a list 'vertex_indices' of -3 values");
   const auto strip =
-      read(header("binary_little_endian", vertices(3) + "element tristrips 1\n" + kList) +
-           triangle<float>() + face({0, 1, -2}));
+      ply(header("binary_little_endian", vertices(3) + "element tristrips 1\n" + kList) +
+          triangle<float>() + face({0, 1, -2}));
   EXPECT_EQ(error_of(strip), "strip 0 names vertex -2, but there are 3");
 }
 
 TEST(PlyReader, VerticesWithoutAPositionAreRefused) {
   const auto refused = [](const std::string& elements) {
-    return error_of(read(header("ascii", elements) + "0 0 0\n"));
+    return error_of(ply(header("ascii", elements) + "0 0 0\n"));
   };
   EXPECT_EQ(refused("element vertex 1\nproperty float x\nproperty float y\n"),
             "its vertices have no property 'z'");
@@ -259,22 +258,22 @@ TEST(PlyReader, VerticesWithoutAPositionAreRefused) {
 TEST(PlyReader, AFileThatEndsEarlyIsRefused) {
   const std::string head = header("binary_little_endian", vertices(3) + faces(2));
   const std::string whole = head + triangle<float>() + face({0, 1, 2}) + face({2, 1, 0});
-  EXPECT_EQ(error_of(read(whole)), "");
-  EXPECT_EQ(error_of(read(whole.substr(0, whole.size() - 1))),
+  EXPECT_EQ(error_of(ply(whole)), "");
+  EXPECT_EQ(error_of(ply(whole.substr(0, whole.size() - 1))),
             "the file is cut off: its header announces 1 more bytes, or more");
-  EXPECT_EQ(error_of(read(whole.substr(0, whole.size() - 13))),
+  EXPECT_EQ(error_of(ply(whole.substr(0, whole.size() - 13))),
             "the file is cut off: its header announces 1 more bytes, or more");
-  EXPECT_EQ(error_of(read(head + std::string(30, '\0'))),
+  EXPECT_EQ(error_of(ply(head + std::string(30, '\0'))),
             "the file is cut off: its header announces 6 more bytes, or more");
-  EXPECT_TRUE(holds(error_of(read(header("ascii", vertices(2)) + "0 0 0\n1 0\n")), "cut off"));
-  EXPECT_TRUE(holds(error_of(read(header("ascii", vertices(1)) + "0 0 1,5\n")),
+  EXPECT_TRUE(holds(error_of(ply(header("ascii", vertices(2)) + "0 0 0\n1 0\n")), "cut off"));
+  EXPECT_TRUE(holds(error_of(ply(header("ascii", vertices(1)) + "0 0 1,5\n")),
                     "line 8: '1,5' is no number"));
 }
 
 TEST(PlyReader, HugeNumbersDoNotOverflow) {
   const auto refused = [](const std::string& elements) {
     return error_of(
-        read(header("binary_big_endian", vertices(0) + elements) + std::string(8, '\xff')));
+        ply(header("binary_big_endian", vertices(0) + elements) + std::string(8, '\xff')));
   };
   EXPECT_TRUE(holds(refused("element a 9223372036854775807\nproperty double b\n"), "announces"));
   EXPECT_TRUE(holds(refused("element a 1\nproperty list uint double b\n"), "cut off"));
@@ -284,23 +283,23 @@ TEST(PlyReader, HugeNumbersDoNotOverflow) {
 TEST(PlyReader, SurplusBytesAreWarnedAbout) {
   const std::string whole =
       header("binary_little_endian", vertices(3) + faces(1)) + triangle<float>() + face({0, 1, 2});
-  const auto scene = read(whole + "abcd");
+  const auto scene = ply(whole + "abcd");
   ASSERT_TRUE(scene) << error_of(scene);
   ASSERT_EQ(kinds_of(*scene), "surplus_bytes ");
   EXPECT_EQ(scene->warnings[0].count, 4U);
   expect_triangle(whole + "\n");
-  const auto text = read(header("ascii", vertices(1)) + "0 0 0\n1 1 1\n");
+  const auto text = ply(header("ascii", vertices(1)) + "0 0 0\n1 1 1\n");
   ASSERT_TRUE(text) << error_of(text);
   EXPECT_EQ(kinds_of(*text), "surplus_bytes ");
 }
 
 TEST(PlyReader, HeadersThatAreNotUnderstoodAreRefused) {
   const std::string good = header("ascii", vertices(1)) + "0 0 0\n";
-  ASSERT_TRUE(read(good));
+  ASSERT_TRUE(ply(good));
   const auto changed = [&](const std::string& from, const std::string& to) {
     std::string text = good;
     text.replace(text.find(from), from.size(), to);
-    return error_of(read(text));
+    return error_of(ply(text));
   };
   for (const char* end : {"", "end_headers", "the_end_header", "end", "comment end_header"})
     EXPECT_TRUE(holds(changed("end_header", end), "without end_header")) << end;
@@ -313,7 +312,7 @@ TEST(PlyReader, HeadersThatAreNotUnderstoodAreRefused) {
   EXPECT_TRUE(holds(changed("element vertex 1\n", ""), "before the first element"));
   EXPECT_TRUE(holds(changed("ply", "plx"), "begins with the line 'ply'"));
   EXPECT_TRUE(holds(changed("end_header", vertices(1) + "end_header"), "a second element"));
-  const auto odd = read(good.substr(0, 4) + "Created by hand\n" + good.substr(4));
+  const auto odd = ply(good.substr(0, 4) + "Created by hand\n" + good.substr(4));
   ASSERT_TRUE(odd) << error_of(odd);
   EXPECT_EQ(kinds_of(*odd), "unknown_statements ");
 }

@@ -18,7 +18,7 @@ constexpr const char* kFacet =
     "facet normal 0 0 1\n outer loop\n  vertex 0 0 0\n  vertex 1 0 0\n  vertex 0 1.5e0 0\n "
     "endloop\nendfacet\n";
 
-Result<FileScene> read(const std::string& bytes) { return read_bytes(read_stl, bytes, "a.stl"); }
+Result<FileScene> stl(const std::string& bytes) { return read_bytes(read_stl, bytes, "a.stl"); }
 
 std::string changed(std::string text, const std::string& from, const std::string& to) {
   for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
@@ -59,7 +59,7 @@ std::string facets(const Result<FileScene>& scene) {
 }
 
 std::string kinds(const std::string& bytes) {
-  const auto scene = read(bytes);
+  const auto scene = stl(bytes);
   return scene ? kinds_of(*scene) : scene.error().message;
 }
 
@@ -69,10 +69,10 @@ TEST(StlReader, KeywordsAreInAnyCase) {
   for (const std::string& t :
        {text, upper(text), changed(text, "solid", "Solid"), changed(text, "facet", "FACET"),
         changed(text, "vertex", "Vertex")}) {
-    EXPECT_EQ(facets(read(t)), "2 ") << t;
+    EXPECT_EQ(facets(stl(t)), "2 ") << t;
     EXPECT_EQ(kinds(t), "") << t;
   }
-  EXPECT_EQ(read(upper(text))->meshes[0].name, "PART");
+  EXPECT_EQ(stl(upper(text))->meshes[0].name, "PART");
 }
 
 TEST(StlReader, WordsAndLinesArePartedInAnyWay) {
@@ -83,15 +83,15 @@ TEST(StlReader, WordsAndLinesArePartedInAnyWay) {
         changed(text, "endloop", "end loop"), changed(text, "endsolid", "end solid"),
         changed(text, " 0 0 1\n", " nan nan nan\n"), changed(text, "\n", " "),
         changed(text, " a\n", "\n")}) {
-    EXPECT_EQ(facets(read(t)), "1 ") << t;
+    EXPECT_EQ(facets(stl(t)), "1 ") << t;
     EXPECT_EQ(kinds(t), "") << t;
   }
 }
 
 TEST(StlReader, EachSolidIsANodeWithItsName) {
   const std::string f = kFacet;
-  const auto scene = read("solid one part\n" + f + "endsolid one part\nsolid two\n" + f + f +
-                          "endsolid two\nsolid none\nendsolid\n");
+  const auto scene = stl("solid one part\n" + f + "endsolid one part\nsolid two\n" + f + f +
+                         "endsolid two\nsolid none\nendsolid\n");
   ASSERT_TRUE(scene) << error_of(scene);
   EXPECT_EQ(facets(scene), "1 2 0 ");
   ASSERT_EQ(scene->nodes.size(), 4U);
@@ -100,9 +100,9 @@ TEST(StlReader, EachSolidIsANodeWithItsName) {
   EXPECT_EQ(scene->nodes[2].meshes, (std::vector<std::uint32_t>{1}));
   EXPECT_EQ(scene->meshes[2].name, "none");
   EXPECT_EQ(scene->nodes[0].name, "");
-  EXPECT_EQ(read("solid\n" + f + "endsolid\n")->nodes[0].name, "<STL_ASCII>");
-  EXPECT_EQ(read("solid a facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1.5 0 "
-                 "endloop endfacet endsolid a")
+  EXPECT_EQ(stl("solid\n" + f + "endsolid\n")->nodes[0].name, "<STL_ASCII>");
+  EXPECT_EQ(stl("solid a facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1.5 0 "
+                "endloop endfacet endsolid a")
                 ->meshes[0]
                 .name,
             "a");
@@ -116,39 +116,39 @@ TEST(StlReader, AsciiFilesThatAreCutOffAreADoubt) {
                                  std::string("facet normal 0 0 1 "
                                              "outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1.")}) {
     EXPECT_EQ(kinds(text + end), "cut_off ") << end;
-    EXPECT_EQ(facets(read(text + end)), end == kFacet ? "2 " : "1 ") << end;
+    EXPECT_EQ(facets(stl(text + end)), end == kFacet ? "2 " : "1 ") << end;
   }
 }
 
 TEST(StlReader, FacetsHaveThreeVertices) {
   const std::string start = "solid a\n", end = "endsolid a\n";
-  EXPECT_EQ(error_of(read(start + changed(kFacet, "  vertex 1 0 0\n", "") + end)),
+  EXPECT_EQ(error_of(stl(start + changed(kFacet, "  vertex 1 0 0\n", "") + end)),
             "line 2: a facet has 2 vertices, must have 3");
   EXPECT_EQ(
-      error_of(read(start + kFacet +
-                    changed(kFacet, "  vertex 1 0 0\n", "vertex 1 0 0\nvertex 1 1 1\n") + end)),
+      error_of(stl(start + kFacet +
+                   changed(kFacet, "  vertex 1 0 0\n", "vertex 1 0 0\nvertex 1 1 1\n") + end)),
       "line 9: a facet has 4 vertices, must have 3");
-  EXPECT_TRUE(holds(error_of(read(start + "facet normal 0 0 1\n" + kFacet + end)),
+  EXPECT_TRUE(holds(error_of(stl(start + "facet normal 0 0 1\n" + kFacet + end)),
                     "line 3: 'facet' before the end of a facet"));
-  EXPECT_TRUE(holds(error_of(read(start + changed(kFacet, "1.5e0", "1,5") + end)),
+  EXPECT_TRUE(holds(error_of(stl(start + changed(kFacet, "1.5e0", "1,5") + end)),
                     "line 6: '1,5' is no number; the decimal sign"));
-  EXPECT_TRUE(holds(error_of(read(start + changed(kFacet, "1.5e0 0", "1.5e0") + end)),
+  EXPECT_TRUE(holds(error_of(stl(start + changed(kFacet, "1.5e0 0", "1.5e0") + end)),
                     "'endloop' is no number"));
   EXPECT_EQ(kinds(start + "color 1 0 0\n" + kFacet + end), "unknown_statements ");
 }
 
 TEST(StlReader, BinaryFilesAreTakenByTheirSize) {
-  EXPECT_EQ(facets(read(binary(2, 2))), "2 ");
-  EXPECT_EQ(facets(read(binary(2, 2, "solid made by a program that begins so"))), "2 ");
-  EXPECT_EQ(facets(read(binary(1, 1, "SOLID\nfacet normal 0 0 0"))), "1 ");
-  EXPECT_EQ(facets(read(binary(0, 0))), "0 ");
+  EXPECT_EQ(facets(stl(binary(2, 2))), "2 ");
+  EXPECT_EQ(facets(stl(binary(2, 2, "solid made by a program that begins so"))), "2 ");
+  EXPECT_EQ(facets(stl(binary(1, 1, "SOLID\nfacet normal 0 0 0"))), "1 ");
+  EXPECT_EQ(facets(stl(binary(0, 0))), "0 ");
   EXPECT_EQ(kinds(binary(2, 2)), "");
 }
 
 TEST(StlReader, AWrongCountIsAWarning) {
   for (const std::uint32_t count : {0xFFFFFFFFU, 0U, 2U, 4U, 0x7FFFFFFFU}) {
     for (const char* head : {"binary", "solid x"}) {
-      const auto scene = read(binary(count, 3, head));
+      const auto scene = stl(binary(count, 3, head));
       EXPECT_EQ(facets(scene), "3 ") << count;
       ASSERT_TRUE(scene);
       EXPECT_EQ(kinds_of(*scene), "wrong_count ") << count;
@@ -160,7 +160,7 @@ TEST(StlReader, AWrongCountIsAWarning) {
 TEST(StlReader, BytesAfterTheFacetsAreAWarning) {
   for (const std::size_t surplus : {1U, 31U, 77U, 1001U}) {
     for (const char* head : {"binary", "solid x"}) {
-      const auto scene = read(binary(3, 3, head) + std::string(surplus, '\0'));
+      const auto scene = stl(binary(3, 3, head) + std::string(surplus, '\0'));
       EXPECT_EQ(facets(scene), "3 ") << surplus;
       ASSERT_TRUE(scene);
       ASSERT_EQ(kinds_of(*scene), "surplus_bytes ") << surplus;
@@ -174,12 +174,12 @@ TEST(StlReader, BytesAfterTheFacetsAreAWarning) {
 TEST(StlReader, FilesThatAreNoStlAreRefused) {
   const std::string whole = binary(3, 3);
   EXPECT_TRUE(
-      holds(error_of(read(whole.substr(0, whole.size() - 1))),
+      holds(error_of(stl(whole.substr(0, whole.size() - 1))),
             "cut off: its header announces 3 facets, which need 234 bytes, and it has 233"));
-  EXPECT_TRUE(holds(error_of(read(whole.substr(0, 100))), "cut off"));
-  EXPECT_TRUE(holds(error_of(read(binary(0, 0).substr(0, 83))), "no STL file: it has 83 bytes"));
-  EXPECT_TRUE(holds(error_of(read("hello")), "does not begin with 'solid'"));
-  EXPECT_TRUE(holds(error_of(read(std::string(kFacet))), "does not begin with 'solid'"));
+  EXPECT_TRUE(holds(error_of(stl(whole.substr(0, 100))), "cut off"));
+  EXPECT_TRUE(holds(error_of(stl(binary(0, 0).substr(0, 83))), "no STL file: it has 83 bytes"));
+  EXPECT_TRUE(holds(error_of(stl("hello")), "does not begin with 'solid'"));
+  EXPECT_TRUE(holds(error_of(stl(std::string(kFacet))), "does not begin with 'solid'"));
 }
 
 }  // namespace
