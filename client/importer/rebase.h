@@ -22,11 +22,11 @@ struct Rebased {
 /// Subtracts an offset from the vertices of each mesh, adds it to the transforms of the nodes that
 /// carry the mesh, and leaves vertices that are floats.
 ///
-/// Where nothing needs to be rounded, all meshes have one offset: on an axis where all vertices lie
-/// kFar steps or more on one side of zero, the multiple of the step nearest to their middle, else
-/// 0. The step is the largest extent of the vertices, rounded up to a power of two. So it is if all
-/// vertices are floats: the rest of a vertex is a float, and the rest plus the offset is the old
-/// value; the same holds for the transforms.
+/// If all vertices are floats, nothing is rounded, and all meshes have one offset: on an axis where
+/// all vertices lie kFar steps or more on one side of zero, the multiple of the step nearest to
+/// their middle, else 0. The step is the largest extent of the vertices, rounded up to a power of
+/// two. So the rest of a vertex is a float, and the rest plus the offset is the old value; the same
+/// holds for the transforms.
 ///
 /// Otherwise vertices are rounded as lattice.h says, with the step of the largest mesh. All meshes
 /// have one offset if together they are at most a step in size, else each has its own. A mesh for
