@@ -25,24 +25,24 @@ using client::importer::ImportedNode;
 using client::importer::ImportedScene;
 using Position = std::array<double, 3>;
 
-constexpr std::size_t kRays = 3000;
-constexpr const char* kScene = "projects/default/scenes/seams";
+constexpr std::size_t kSeamRays = 3000;
+constexpr const char* kSeamScene = "projects/default/scenes/seams";
 // A grid of squares, in tiles of different sizes
-constexpr std::size_t kCorners = 25;
-constexpr std::size_t kCuts[] = {0, 3, 16, 24};
+constexpr std::size_t kGridCorners = 25;
+constexpr std::size_t kGridCuts[] = {0, 3, 16, 24};
 
 struct Ground {
-  std::vector<Position> points;  // rows of kCorners
+  std::vector<Position> points;  // rows of kGridCorners
 
-  const Position& at(std::size_t i, std::size_t j) const { return points[j * kCorners + i]; }
+  const Position& at(std::size_t i, std::size_t j) const { return points[j * kGridCorners + i]; }
 };
 
 // Uneven ground of this size, in millimeters. `up` is the axis that is up.
 Ground ground_at(const Position& corner, double size, std::size_t up, Random& random) {
   Ground ground;
-  const double spacing = size / (kCorners - 1);
-  for (std::size_t j = 0; j < kCorners; ++j) {
-    for (std::size_t i = 0; i < kCorners; ++i) {
+  const double spacing = size / (kGridCorners - 1);
+  for (std::size_t j = 0; j < kGridCorners; ++j) {
+    for (std::size_t i = 0; i < kGridCorners; ++i) {
       const double across[] = {(static_cast<double>(i) + random.uniform(0, 0.3)) * spacing,
                                (static_cast<double>(j) + random.uniform(0, 0.3)) * spacing};
       Position p = corner;
@@ -63,15 +63,15 @@ struct Tile {
 
 std::vector<Tile> tiles_of(const Ground& ground) {
   std::vector<Tile> tiles;
-  for (std::size_t v = 0; v + 1 < std::size(kCuts); ++v) {
-    for (std::size_t u = 0; u + 1 < std::size(kCuts); ++u) {
+  for (std::size_t v = 0; v + 1 < std::size(kGridCuts); ++v) {
+    for (std::size_t u = 0; u + 1 < std::size(kGridCuts); ++u) {
       Tile tile;
-      const std::size_t width = kCuts[u + 1] - kCuts[u] + 1;
-      for (std::size_t j = kCuts[v]; j <= kCuts[v + 1]; ++j) {
-        for (std::size_t i = kCuts[u]; i <= kCuts[u + 1]; ++i) {
+      const std::size_t width = kGridCuts[u + 1] - kGridCuts[u] + 1;
+      for (std::size_t j = kGridCuts[v]; j <= kGridCuts[v + 1]; ++j) {
+        for (std::size_t i = kGridCuts[u]; i <= kGridCuts[u + 1]; ++i) {
           const std::size_t n = tile.points.size();
           tile.points.push_back(ground.at(i, j));
-          if (i == kCuts[u + 1] || j == kCuts[v + 1]) continue;
+          if (i == kGridCuts[u + 1] || j == kGridCuts[v + 1]) continue;
           tile.faces.push_back({n, n + 1, n + width + 1});
           tile.faces.push_back({n, n + width + 1, n + width});
         }
@@ -175,14 +175,14 @@ class Seams : public testing::Test {
   // Casts rays down at points of the seams, and counts those that do not hit once.
   void expect_no_gap(const ImportedScene& scene, const Ground& ground, std::size_t up,
                      std::uint64_t seed) {
-    const auto uploaded = client::upload_scene(*client_, kScene, scene, {.replace = true});
+    const auto uploaded = client::upload_scene(*client_, kSeamScene, scene, {.replace = true});
     ASSERT_TRUE(uploaded.ok()) << uploaded.error().message;
     Random random(seed);
     const double height = std::abs(ground.at(1, 1)[(up + 1) % 3] - ground.at(0, 0)[(up + 1) % 3]);
     std::vector<double> origins, directions;
-    for (std::size_t r = 0; r < kRays; ++r) {
-      const std::size_t cut = kCuts[1 + random.below(std::size(kCuts) - 2)];
-      const std::size_t along = 1 + random.below(kCorners - 3);
+    for (std::size_t r = 0; r < kSeamRays; ++r) {
+      const std::size_t cut = kGridCuts[1 + random.below(std::size(kGridCuts) - 2)];
+      const std::size_t along = 1 + random.below(kGridCorners - 3);
       const bool is_column = random.below(2) == 0;
       const Position& a = is_column ? ground.at(cut, along) : ground.at(along, cut);
       const Position& b = is_column ? ground.at(cut, along + 1) : ground.at(along + 1, cut);
@@ -196,9 +196,9 @@ class Seams : public testing::Test {
         directions.push_back(at - from);
       }
     }
-    std::vector<std::uint32_t> counts(kRays);
+    std::vector<std::uint32_t> counts(kSeamRays);
     const auto report =
-        client_->cast_stream(kScene, client::RayColumns<const double>{origins, directions},
+        client_->cast_stream(kSeamScene, client::RayColumns<const double>{origins, directions},
                              {.count = counts}, {.kind = client::QueryKind::kCount});
     ASSERT_TRUE(report.ok()) << report.error().message;
     std::size_t lost = 0, doubled = 0;
@@ -222,14 +222,14 @@ struct Site {
   std::size_t up;
 };
 
-constexpr Site kSites[] = {{"UTM", {512345.678, 5412345.678, 412.345}, 900, 2},
-                           {"UTM, large", {388096.37, 3948996.81, 1641.25}, 3000, 2},
-                           {"UTM, small", {500000.001, 5400000.002, 7.3}, 30, 2},
-                           {"ECEF", {3875432.101, 332001.909, 5029123.456}, 700, 0}};
+constexpr Site kSurveySites[] = {{"UTM", {512345.678, 5412345.678, 412.345}, 900, 2},
+                                 {"UTM, large", {388096.37, 3948996.81, 1641.25}, 3000, 2},
+                                 {"UTM, small", {500000.001, 5400000.002, 7.3}, 30, 2},
+                                 {"ECEF", {3875432.101, 332001.909, 5029123.456}, 700, 0}};
 
 TEST_F(Seams, RaysHitTheGroundOnce) {
   Random random(1);
-  for (const Site& site : kSites) {
+  for (const Site& site : kSurveySites) {
     const Ground ground = ground_at(site.corner, site.size, site.up, random);
     const std::vector<Tile> tiles = tiles_of(ground);
     std::vector<std::string> objs, plys, stls;
