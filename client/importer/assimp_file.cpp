@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "client/importer/assimp_files.h"
+#include "client/importer/assimp_omissions.h"
 #include "client/importer/file_scene_from_assimp.h"
 #include "client/importer/frame.h"
 
@@ -131,6 +132,7 @@ Result<FileScene> read_with_assimp(const SceneFile& file) {
   if (!source) return source.error();
   auto scene = file_scene_from_assimp(source->scene(), source->importer_name());
   if (!scene) return scene;
+  settle_omissions(source->importer_name(), file.bytes, *scene);
   std::string turned = turned_axes(source->importer_name(), file.bytes, file.options.up_axis);
   if (!turned.empty())
     scene->warnings.push_back({.kind = "axes_turned", .message = std::move(turned)});

@@ -44,6 +44,8 @@ Result<FileMesh> convert(const aiMesh& source, const NodesByName& nodes) {
   auto shapes = shapes_from_assimp(source);
   if (!shapes) return shapes.error();
   mesh.shapes = *std::move(shapes);
+  for (unsigned s = 0; s < source.mNumAnimMeshes; ++s)
+    mesh.weights.push_back(static_cast<double>(source.mAnimMeshes[s]->mWeight));
   return mesh;
 }
 

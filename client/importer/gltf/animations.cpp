@@ -6,7 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "client/importer/gltf/nodes.h"
 
 namespace sightline::client::importer::gltf {
 namespace {
@@ -29,11 +28,11 @@ Interpolation interpolation_of(const Item& sampler) {
 class AnimationReader {
  public:
   AnimationReader(const Document& document, Accessors& accessors, const Meshes& meshes,
-                  const std::vector<std::uint32_t>& from_gltf, std::vector<Warning>& warnings)
+                  const Nodes& nodes, std::vector<Warning>& warnings)
       : document_(document),
         accessors_(accessors),
         meshes_(meshes),
-        from_gltf_(from_gltf),
+        nodes_(nodes),
         warnings_(warnings) {}
 
   Animation read(const Item& item) {
@@ -64,9 +63,9 @@ class AnimationReader {
     if (!target.has("node")) return;
     const std::uint64_t gltf = target.integer("node");
     const Item node = document_.at("nodes", gltf, target.where());
-    if (from_gltf_[gltf] == kNone) return;
+    if (nodes_.from_gltf[gltf] == kNone) return;
     if (path == "weights") {
-      read_weights(node, from_gltf_[gltf], sampler, out);
+      read_weights(node, gltf, sampler, out);
       return;
     }
     const LocalTransform rest = local_transform(node);
@@ -76,7 +75,7 @@ class AnimationReader {
                        node.where()));
       return;
     }
-    NodeChannel& channel = channel_of(from_gltf_[gltf], rest, out);
+    NodeChannel& channel = channel_of(nodes_.from_gltf[gltf], rest, out);
     if (path == "translation") channel.positions = points(sampler, out);
     if (path == "scale") channel.scalings = points(sampler, out);
     if (path == "rotation") channel.rotations = rotations(sampler, out);
@@ -134,22 +133,24 @@ class AnimationReader {
     });
   }
 
-  void read_weights(const Item& node, std::uint32_t index, const Item& sampler, Animation& out) {
+  void read_weights(const Item& node, std::uint64_t gltf, const Item& sampler, Animation& out) {
     const std::size_t shapes = meshes_.shapes(node);
     if (shapes == 0) return;
     const auto rows = accessors_.rows<1>(sampler.integer("output"), sampler.where());
     if (rows.size() % shapes != 0) {
       refuse("{}: {} weights are none for all of {} targets", sampler.where(), rows.size(), shapes);
     }
-    Deformation deformation{index, kNone, {}};
-    deformation.weights = track<std::vector<double>>(sampler, times(sampler, out),
-                                                     rows.size() / shapes, [&](std::size_t i) {
-                                                       std::vector<double> weights;
-                                                       for (std::size_t s = 0; s < shapes; ++s)
-                                                         weights.push_back(rows[i * shapes + s][0]);
-                                                       return weights;
-                                                     });
-    out.deformations.push_back(std::move(deformation));
+    const auto weights_at = [&](std::size_t i) {
+      std::vector<double> weights;
+      for (std::size_t s = 0; s < shapes; ++s) weights.push_back(rows[i * shapes + s][0]);
+      return weights;
+    };
+    const auto weights = track<std::vector<double>>(sampler, times(sampler, out),
+                                                    rows.size() / shapes, weights_at);
+    for (const Nodes::Carrier& carrier : nodes_.carriers) {
+      for (std::uint32_t i = 0; carrier.gltf == gltf && i < carrier.count; ++i)
+        out.deformations.push_back({carrier.first + i, kNone, weights});
+    }
   }
 
   void warn(const char* kind, const Item& where, const std::string& message) {
@@ -167,15 +168,15 @@ class AnimationReader {
   const Document& document_;
   Accessors& accessors_;
   const Meshes& meshes_;
-  const std::vector<std::uint32_t>& from_gltf_;
+  const Nodes& nodes_;
   std::vector<Warning>& warnings_;
 };
 
 }  // namespace
 
 void read_animations(const Document& document, Accessors& accessors, const Meshes& meshes,
-                     const std::vector<std::uint32_t>& from_gltf, FileScene& scene) {
-  AnimationReader reader(document, accessors, meshes, from_gltf, scene.warnings);
+                     const Nodes& nodes, FileScene& scene) {
+  AnimationReader reader(document, accessors, meshes, nodes, scene.warnings);
   for (std::size_t i = 0; i < document.count("animations"); ++i)
     scene.animations.push_back(reader.read(document.at("animations", i, "the file")));
 }

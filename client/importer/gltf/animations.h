@@ -5,13 +5,14 @@
 #include "client/importer/gltf/accessors.h"
 #include "client/importer/gltf/document.h"
 #include "client/importer/gltf/meshes.h"
+#include "client/importer/gltf/nodes.h"
 
 namespace sightline::client::importer::gltf {
 
 /// Adds to the animations and warnings of `scene`, whose nodes are read. What is animated outside
 /// the scene is ignored, and what is no transform and no weights of shapes is warned about.
-/// `from_gltf` is as for Meshes. Refuses samplers whose numbers of keys and values do not fit.
+/// `nodes`: those of the scene. Refuses samplers whose numbers of keys and values do not fit.
 void read_animations(const Document& document, Accessors& accessors, const Meshes& meshes,
-                     const std::vector<std::uint32_t>& from_gltf, FileScene& scene);
+                     const Nodes& nodes, FileScene& scene);
 
 }  // namespace sightline::client::importer::gltf

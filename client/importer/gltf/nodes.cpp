@@ -92,9 +92,10 @@ std::vector<Transform> instances_of(const Item& extension, Accessors& accessors)
       refuse("{}: its attributes have {} and {} elements", extension.where(), *count, elements);
     count = elements;
   }
-  if (count.value_or(0) > kMostNodes)
+  if (!count) refuse("{}: attributes is empty", extension.where());
+  if (*count > kMostNodes)
     refuse("{}: it has {} instances, the limit is {}", extension.where(), *count, kMostNodes);
-  std::vector<Point> translations(count.value_or(0), Point{0, 0, 0});
+  std::vector<Point> translations(*count, Point{0, 0, 0});
   std::vector<Point> scales(translations.size(), Point{1, 1, 1});
   std::vector<std::array<double, 4>> rotations(translations.size(), {0, 0, 0, 1});
   const auto read = [&]<std::size_t kWidth>(const char* name,

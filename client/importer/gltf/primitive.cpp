@@ -2,13 +2,14 @@
 #include "client/importer/gltf/primitive.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
 
 namespace sightline::client::importer::gltf {
 namespace {
+
+constexpr double kMostWeight = 1e100;  // sums of these are finite
 
 Mode mode_of(const Item& item) {
   const std::uint64_t mode = item.integer("mode", static_cast<std::uint64_t>(Mode::kTriangles));
@@ -160,7 +161,7 @@ Skin Primitive::skin(std::vector<Skin::Bone> bones, std::size_t vertices) {
     for (std::size_t set = 0; set < joints.size(); ++set) {
       for (std::size_t k = 0; k < 4; ++k) {
         const double weight = weights[set][v][k], joint = joints[set][v][k];
-        if (!std::isfinite(weight) || weight < 0)
+        if (!(weight >= 0 && weight < kMostWeight))
           refuse("{}: vertex {} has the weight {}", item_.where(), v, weight);
         if (weight > 0 && !(joint >= 0 && joint < static_cast<double>(bones.size()))) {
           refuse("{}: vertex {} names joint {}, but the skin has {}", item_.where(), v, joint,

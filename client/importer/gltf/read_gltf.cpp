@@ -47,7 +47,7 @@ FileScene read(const SceneFile& file) {
     if (file.progress)
       file.progress(static_cast<double>(i + 1) / static_cast<double>(nodes.carriers.size()));
   }
-  read_animations(document, accessors, meshes, nodes.from_gltf, scene);
+  read_animations(document, accessors, meshes, nodes, scene);
   return scene;
 }
 

@@ -94,6 +94,19 @@ TEST(GltfAnimations, OfWeightsHaveOneForEachShape) {
             std::string::npos);
 }
 
+TEST(GltfAnimations, OfWeightsConcernAllInstances) {
+  GltfFile file = triangle_under_root();
+  file.json["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", 0}}};
+  const int two = file.add({0, 0, 0, 1, 1, 1}, "VEC3");
+  file.json["nodes"][1]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
+      {"TRANSLATION", two}};
+  file.animate(1, "weights", {0, 2}, {0, 1});
+  const Animation animation = animation_of(file);
+  ASSERT_EQ(animation.deformations.size(), 2U);
+  EXPECT_EQ(animation.deformations[0].node, 2U);
+  EXPECT_EQ(animation.deformations[1].node, 3U);
+}
+
 template <class T>
 Quaternion turn_by(const std::vector<T>& values) {
   GltfFile file = triangle_under_root();

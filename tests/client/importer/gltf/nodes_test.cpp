@@ -202,6 +202,8 @@ TEST(Instances, HaveOneCountWithinALimit) {
   EXPECT_NE(
       refusal_of(instanced(file, {{"TRANSLATION", two}, {"SCALE", three}})).find("2 elements"),
       std::string::npos);
+  EXPECT_NE(refusal_of(instanced(file, json::object())).find("attributes is empty"),
+            std::string::npos);
   file.json["accessors"][two].erase("bufferView");
   file.json["accessors"][two]["count"] = kMostNodes + 1;
   EXPECT_NE(refusal_of(instanced(file, {{"TRANSLATION", two}})).find("1048577 instances"),

@@ -1,0 +1,134 @@
+// Looks for tags in Collada's text, without reading the XML around them.
+#include "client/importer/assimp_omissions.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <set>
+#include <sstream>
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+#include "client/importer/node_name.h"
+
+namespace sightline::client::importer {
+namespace {
+
+constexpr std::size_t kNowhere = std::string_view::npos;
+
+// The value of an attribute of a tag.
+std::string_view attribute(std::string_view tag, std::string_view name) {
+  for (std::size_t at = tag.find(name); at != kNowhere; at = tag.find(name, at + 1)) {
+    const std::size_t open = at + name.size() + 1;
+    if (at == 0 || tag[at - 1] > ' ' || open >= tag.size() || tag[open - 1] != '=') continue;
+    const char quote = tag[open];
+    if (quote != '"' && quote != '\'') continue;
+    const std::size_t end = tag.find(quote, open + 1);
+    if (end != kNowhere) return tag.substr(open + 1, end - open - 1);
+  }
+  return {};
+}
+
+// The tag from this "<" on.
+std::string_view tag_at(std::string_view text, std::size_t begin) {
+  const std::size_t end = text.find('>', begin);
+  return end == kNowhere ? std::string_view() : text.substr(begin, end - begin + 1);
+}
+
+// The contents of the first array of each source, by the source's id.
+std::unordered_map<std::string_view, std::string_view> arrays_of(std::string_view text) {
+  std::unordered_map<std::string_view, std::string_view> out;
+  for (std::size_t at = text.find("<source"); at != kNowhere; at = text.find("<source", at + 1)) {
+    const std::string_view source = text.substr(at, text.find("</source", at) - at);
+    const std::size_t array = source.find("_array");
+    const std::size_t begin = array == kNowhere ? kNowhere : source.find('>', array);
+    if (begin == kNowhere) continue;
+    out.emplace(attribute(tag_at(text, at), "id"),
+                source.substr(begin + 1, source.find('<', begin) - begin - 1));
+  }
+  return out;
+}
+
+// The words or numbers, each once, in the arrays that inputs with this semantic name. Elements that
+// are damaged are left out.
+std::set<std::string> inputs(std::string_view text, std::string_view semantic) {
+  std::set<std::string> out;
+  std::unordered_map<std::string_view, std::string_view> arrays = arrays_of(text);
+  for (std::size_t at = text.find("<input"); at != kNowhere; at = text.find("<input", at + 1)) {
+    const std::string_view tag = tag_at(text, at);
+    const std::string_view source = attribute(tag, "source");
+    if (attribute(tag, "semantic") != semantic || !source.starts_with('#')) continue;
+    const auto array = arrays.find(source.substr(1));
+    if (array == arrays.end()) continue;
+    std::istringstream words{std::string(array->second)};
+    for (std::string word; words >> word;) out.insert(std::move(word));
+    arrays.erase(array);  // Its words are known.
+  }
+  return out;
+}
+
+struct Weights {
+  bool has_zero = false, has_one = false;  // among those that the file lists
+};
+
+Weights weights_of(std::string_view text) {
+  if (text.starts_with("PK")) return {true, true};  // packed; it may hold any
+  Weights out;
+  for (const std::string& word : inputs(text, "MORPH_WEIGHT")) {
+    const double weight = std::strtod(word.c_str(), nullptr);
+    out.has_zero = out.has_zero || weight == 0;
+    out.has_one = out.has_one || weight == 1;
+  }
+  return out;
+}
+
+// A weight that may be 0 or 1, or anything, is taken as 0.
+void settle_weights(bool is_fbx, std::string_view bytes, FileScene& scene) {
+  const Weights listed = is_fbx ? Weights{true, true} : weights_of(bytes);
+  if (listed.has_one && !listed.has_zero) return;
+  std::uint64_t unknown = 0;
+  std::string first;
+  for (FileMesh& mesh : scene.meshes) {
+    for (double& weight : mesh.weights) {
+      if (weight != 1 && !is_fbx) continue;
+      weight = 0;
+      if (listed.has_one && unknown++ == 0) first = node_name(mesh.name);
+    }
+  }
+  if (unknown == 0) return;
+  scene.warnings.push_back(
+      {.kind = "weights_unknown",
+       .count = unknown,
+       .first = first,
+       .message = fmt::format("Assimp does not say what weights the shapes of its meshes have, those "
+                              "of mesh '{}' for example; {} are taken as 0",
+                              first, unknown)});
+}
+
+void warn_of_interpolations(std::string_view text, FileScene& scene) {
+  if (scene.animations.empty()) return;
+  std::set<std::string> names = inputs(text, "INTERPOLATION");
+  names.erase("LINEAR");
+  if (names.empty()) return;
+  scene.warnings.push_back(
+      {.kind = "interpolation",
+       .count = names.size(),
+       .first = *names.begin(),
+       .message = fmt::format("its animations have the interpolation {}; they are played linearly",
+                              fmt::join(names, ", "))});
+}
+
+}  // namespace
+
+void settle_omissions(std::string_view importer_name, std::string_view bytes, FileScene& scene) {
+  const bool is_fbx = importer_name.find("FBX") != std::string_view::npos;
+  const bool is_collada = importer_name.find("Collada") != std::string_view::npos;
+  if (is_fbx || is_collada) settle_weights(is_fbx, bytes, scene);
+  if (is_collada) warn_of_interpolations(bytes, scene);
+}
+
+}  // namespace sightline::client::importer
