@@ -104,9 +104,10 @@ void settle_weights(bool is_fbx, std::string_view bytes, FileScene& scene) {
       {.kind = "weights_unknown",
        .count = unknown,
        .first = first,
-       .message = fmt::format("Assimp does not say what weights the shapes of its meshes have, those "
-                              "of mesh '{}' for example; {} are taken as 0",
-                              first, unknown)});
+       .message =
+           fmt::format("Assimp does not say what weights the shapes of its meshes have, those "
+                       "of mesh '{}' for example; {} are taken as 0",
+                       first, unknown)});
 }
 
 void warn_of_interpolations(std::string_view text, FileScene& scene) {

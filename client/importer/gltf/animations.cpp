@@ -6,7 +6,6 @@
 #include <string>
 #include <utility>
 
-
 namespace sightline::client::importer::gltf {
 namespace {
 
@@ -145,8 +144,8 @@ class AnimationReader {
       for (std::size_t s = 0; s < shapes; ++s) weights.push_back(rows[i * shapes + s][0]);
       return weights;
     };
-    const auto weights = track<std::vector<double>>(sampler, times(sampler, out),
-                                                    rows.size() / shapes, weights_at);
+    const auto weights =
+        track<std::vector<double>>(sampler, times(sampler, out), rows.size() / shapes, weights_at);
     for (const Nodes::Carrier& carrier : nodes_.carriers) {
       for (std::uint32_t i = 0; carrier.gltf == gltf && i < carrier.count; ++i)
         out.deformations.push_back({carrier.first + i, kNone, weights});

@@ -19,11 +19,13 @@ FileScene settled(const std::string& listed, const std::vector<double>& reported
   scene.meshes.resize(1);
   scene.meshes[0].name = "face";
   scene.meshes[0].weights = reported;
-  const std::string text = "<morph><source id='other'><float_array>1 0</float_array></source>"
-                           "<source id=\"w\"><float_array id=\"a\" count=\"2\">" + listed +
-                           "</float_array></source><targets><input semantic=\"MORPH_TARGET\" "
-                           "source=\"#other\"/><input source='#w' semantic=\"MORPH_WEIGHT\"/>"
-                           "</targets></morph>";
+  const std::string text =
+      "<morph><source id='other'><float_array>1 0</float_array></source>"
+      "<source id=\"w\"><float_array id=\"a\" count=\"2\">" +
+      listed +
+      "</float_array></source><targets><input semantic=\"MORPH_TARGET\" "
+      "source=\"#other\"/><input source='#w' semantic=\"MORPH_WEIGHT\"/>"
+      "</targets></morph>";
   settle_omissions(importer, text, scene);
   return scene;
 }
@@ -57,7 +59,8 @@ std::vector<Warning> warnings_of(const std::string& words) {
   scene.animations.resize(1);
   settle_omissions("Collada Importer",
                    "<source id=\"joints\"><Name_array>STEP</Name_array></source>"
-                   "<source id=\"i\"><Name_array id=\"n\">" + words +
+                   "<source id=\"i\"><Name_array id=\"n\">" +
+                       words +
                        "</Name_array></source><sampler><input semantic=\"INTERPOLATION\" "
                        "source=\"#i\"/></sampler>",
                    scene);
@@ -77,13 +80,14 @@ TEST(Omissions, InterpolationsAreWarnedAboutUnlessLinear) {
 TEST(Omissions, TextThatIsCutIsNoMatter) {
   FileScene scene;
   scene.animations.resize(1);
-  for (const char* text : {"<input", "<input semantic=\"INTERPOLATION\" source=\"#\"/>", "<source",
-                           "<source id=\"a\"><Name_array>", "<source id='a", "<input source='#a'/>"})
+  for (const char* text :
+       {"<input", "<input semantic=\"INTERPOLATION\" source=\"#\"/>", "<source",
+        "<source id=\"a\"><Name_array>", "<source id='a", "<input source='#a'/>"})
     settle_omissions("Collada Importer", text, scene);
   EXPECT_TRUE(scene.warnings.empty());
 }
 
-// A strip that follows one joint, which is 5 above; its node is 100 away.
+// A strip that follows one joint, which is 5 above; its node is 10 away.
 TEST(AssimpPoses, ASkinOfColladaLiesWhereItsJointsAre) {
   const tests::TempDir dir;
   const auto scene = import_scene(dir.write("skin.dae", R"(<?xml version="1.0"?>
@@ -110,14 +114,14 @@ TEST(AssimpPoses, ASkinOfColladaLiesWhereItsJointsAre) {
 </skin></controller></library_controllers>
 <library_visual_scenes><visual_scene id="s">
 <node id="bone" sid="bone" name="bone" type="JOINT"><translate>0 5 0</translate></node>
-<node id="body" name="body"><translate>100 0 0</translate>
+<node id="body" name="body"><translate>10 0 0</translate>
 <instance_controller url="#c"><skeleton>#bone</skeleton></instance_controller></node>
 </visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>)"));
   ASSERT_TRUE(scene) << scene.error().message;
   ASSERT_EQ(scene->meshes.size(), 1U);
-  // In the frame of its node: 100 back, 5 up, and 1 down along z by the inverse bind matrix.
+  // In the frame of its node: 10 back, 5 up, and 1 down along z by the inverse bind matrix.
   EXPECT_EQ(scene->meshes[0].vertices,
-            (std::vector<Vertex>{{-100, 5, -1}, {-99, 5, -1}, {-100, 6, -1}}));
+            (std::vector<Vertex>{{-10, 5, -1}, {-9, 5, -1}, {-10, 6, -1}}));
 }
 
 }  // namespace
