@@ -25,13 +25,26 @@ bool is_finite(const Value& value) {
   return std::all_of(value.begin(), value.end(), [](double x) { return std::isfinite(x); });
 }
 
-Status check_mesh(const FileMesh& mesh) {
+Status check_mesh(const FileMesh& mesh, std::size_t nodes) {
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     for (const std::uint32_t vertex : mesh.faces[f]) {
       if (vertex < mesh.vertices.size()) continue;
       return import_error(fmt::format("mesh '{}': polygon {} names vertex {}, but there are {}",
                                       node_name(mesh.name), f, vertex, mesh.vertices.size()));
     }
+  }
+  for (std::size_t b = 0; b < mesh.skin.bones.size(); ++b) {
+    const Skin::Bone& bone = mesh.skin.bones[b];
+    if (bone.node < nodes && is_finite(bone.bone_from_mesh)) continue;
+    return import_error(
+        fmt::format("mesh '{}': the transform of its bone {} is not finite, or it "
+                    "names node {} of {}",
+                    node_name(mesh.name), b, bone.node, nodes));
+  }
+  for (const double weight : mesh.weights) {
+    if (std::isfinite(weight)) continue;
+    return import_error(fmt::format("mesh '{}': one of its shapes has the weight {}",
+                                    node_name(mesh.name), weight));
   }
   return {};
 }
@@ -94,7 +107,7 @@ Status check_animation(const FileScene& file, const Animation& animation) {
 
 Status check(const FileScene& file) {
   for (const FileMesh& mesh : file.meshes) {
-    if (Status good = check_mesh(mesh); !good) return good;
+    if (Status good = check_mesh(mesh, file.nodes.size()); !good) return good;
   }
   for (const FileNode& node : file.nodes) {
     if (Status good = check_node(file, node); !good) return good;

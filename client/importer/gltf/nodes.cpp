@@ -16,7 +16,7 @@ namespace {
 constexpr double kAffine = 1e-4;  // what the last row of a matrix may be off
 
 std::string name_of(const Item& node, std::uint64_t index) {
-  std::string name = node.text("name");
+  const std::string name = node.text("name");
   return name.empty() ? fmt::format("nodes[{}]", index) : name;
 }
 

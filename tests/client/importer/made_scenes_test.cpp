@@ -113,6 +113,24 @@ TEST(Convert, RefusesAnInfiniteDuration) {
   EXPECT_FALSE(convert(*scene, ""));
 }
 
+TEST(Convert, RefusesABoneThatIsNotFinite) {
+  for (const double bad : {kInf, kNaN}) {
+    const auto scene = triangle();
+    aiMesh& mesh = *scene->mMeshes[0];
+    mesh.mNumBones = 1;
+    mesh.mBones = new aiBone* [1] { new aiBone };
+    mesh.mBones[0]->mName = "root";
+    mesh.mBones[0]->mOffsetMatrix.a1 = static_cast<float>(bad);
+    EXPECT_NE(error_of(convert(*scene, "")).find("bone 0"), std::string::npos) << bad;
+  }
+}
+
+TEST(Convert, RefusesAWeightThatIsNotFinite) {
+  const auto scene = moving_triangle(0);
+  scene->mMeshes[0]->mAnimMeshes[0]->mWeight = static_cast<float>(kNaN);
+  EXPECT_NE(error_of(convert(*scene, "")).find("weight"), std::string::npos);
+}
+
 TEST(Convert, WeightsOfMissingShapesMoveNothing) {
   const auto scene = moving_triangle(4000000000U);
   const auto animated = convert(*scene, "");
