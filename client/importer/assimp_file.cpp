@@ -17,6 +17,7 @@
 #include "client/importer/assimp_omissions.h"
 #include "client/importer/file_scene_from_assimp.h"
 #include "client/importer/frame.h"
+#include "client/importer/ifc_contents.h"
 
 namespace sightline::client::importer {
 namespace {
@@ -51,7 +52,9 @@ class ProgressAdapter final : public Assimp::ProgressHandler {
 // Materials and textures are not imported.
 bool is_about_looks(std::string_view complaint) {
   return complaint.find("aterial") != std::string_view::npos ||
-         complaint.find("exture") != std::string_view::npos;
+         complaint.find("exture") != std::string_view::npos ||
+         complaint.find("angent layer") != std::string_view::npos ||
+         complaint.find("inormal layer") != std::string_view::npos;
 }
 
 // Collects what Assimp logs as an error, each sentence once.
@@ -97,6 +100,8 @@ class Complaints {
 // Some messages are only the name of what was thrown.
 std::string readable(const std::string& said) {
   if (said.empty()) return "holds no scene, or one without meshes";
+  if (said.find("sub element <h>") != std::string::npos)
+    return "it has polygons with holes (<ph>), which are not read; export it with triangles";
   if (said.find(' ') != std::string::npos) return one_line(said);
   return fmt::format("damaged, or not understood by Assimp ({})", said);
 }
@@ -127,12 +132,38 @@ std::string AssimpFile::importer_name() const {
   return description != nullptr ? description->mName : "";
 }
 
+namespace {
+
+// Marks solids: Assimp's nodes of IFC products are named TYPE_NAME_GLOBALID.
+void use(const IfcContents& contents, FileScene& scene) {
+  constexpr std::size_t kIdLength = 22;
+  for (const FileNode& node : scene.nodes) {
+    const std::string_view name = node.name;
+    if (name.size() <= kIdLength || !contents.solids.contains(name.substr(name.size() - kIdLength)))
+      continue;
+    for (const std::uint32_t mesh : node.meshes) {
+      if (mesh < scene.meshes.size()) scene.meshes[mesh].is_solid = true;
+    }
+  }
+  if (contents.lost_faces == 0) return;
+  scene.warnings.push_back(
+      {.kind = "faces_left_out",
+       .count = contents.lost_faces,
+       .first = fmt::format("#{}", contents.first_lost),
+       .message = fmt::format("{} of its faces are too small for Assimp, which leaves them out, or "
+                              "have such a hole, which it fills; the first is #{}",
+                              contents.lost_faces, contents.first_lost)});
+}
+
+}  // namespace
+
 Result<FileScene> read_with_assimp(const SceneFile& file) {
   const auto source = AssimpFile::read(file.name, file.files, file.progress);
   if (!source) return source.error();
   auto scene = file_scene_from_assimp(source->scene(), source->importer_name());
   if (!scene) return scene;
-  settle_omissions(source->importer_name(), file.bytes, *scene);
+  if (source->importer_name().find("IFC") != std::string::npos)
+    use(ifc_contents(file.bytes), *scene);
   std::string turned = turned_axes(source->importer_name(), file.bytes, file.options.up_axis);
   if (!turned.empty())
     scene->warnings.push_back({.kind = "axes_turned", .message = std::move(turned)});

@@ -85,7 +85,7 @@ std::vector<Warning> warnings_of(const std::filesystem::path& file,
   }
   std::move(of_scene.begin(), of_scene.end(), std::back_inserter(out));
   for (Warning& warning : out) {
-    warning.message = fmt::format("{}: {}", file.string(), warning.message);
+    if (!warning.is_note) warning.message = fmt::format("{}: {}", file.string(), warning.message);
   }
   return out;
 }

@@ -2,6 +2,7 @@
 #include "client/importer/crossings.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -13,9 +14,17 @@ namespace {
 constexpr std::uint64_t kMostComparisons = 50'000'000;  // of boxes; about half a second
 constexpr std::size_t kLeaf = 4;                        // as many edges, or fewer
 
-bool cross(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c, const PlanePoint& d) {
+// Whether a point is farther than this from the line through a and b.
+bool is_off(const PlanePoint& p, const PlanePoint& a, const PlanePoint& b, double distance) {
+  const double dx = b.x - a.x, dy = b.y - a.y;
+  return std::abs(dx * (p.y - a.y) - dy * (p.x - a.x)) > distance * std::hypot(dx, dy);
+}
+
+bool cross(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c, const PlanePoint& d,
+           double least) {
   return orientation(a, b, c) * orientation(a, b, d) < 0 &&
-         orientation(c, d, a) * orientation(c, d, b) < 0;
+         orientation(c, d, a) * orientation(c, d, b) < 0 && is_off(a, c, d, least) &&
+         is_off(b, c, d, least) && is_off(c, a, b, least) && is_off(d, a, b, least);
 }
 
 struct Box {
@@ -24,7 +33,7 @@ struct Box {
 
 class Edges {
  public:
-  explicit Edges(std::span<const PlanePoint> polygon) : polygon_(polygon) {
+  Edges(std::span<const PlanePoint> polygon, double least) : polygon_(polygon), least_(least) {
     while (leaves_ * kLeaf < polygon.size()) leaves_ *= 2;
     boxes_.resize(2 * leaves_);
     for (std::size_t i = boxes_.size(); i-- > 1;) boxes_[i] = i < leaves_ ? around(i) : of_leaf(i);
@@ -35,7 +44,7 @@ class Edges {
     for (std::uint64_t count = 0; !open.empty() && count < kMostComparisons; ++count) {
       const auto [a, b] = open.back();
       open.pop_back();
-      if (are_apart(boxes_[a], boxes_[b])) continue;
+      if (are_separate(boxes_[a], boxes_[b])) continue;
       if (a >= leaves_) {
         if (any_cross(a, b)) return true;
       } else if (a == b) {
@@ -76,7 +85,7 @@ class Edges {
     return box;
   }
 
-  static bool are_apart(const Box& a, const Box& b) {
+  static bool are_separate(const Box& a, const Box& b) {
     return a.hi.x < b.lo.x || b.hi.x < a.lo.x || a.hi.y < b.lo.y || b.hi.y < a.lo.y;
   }
 
@@ -85,19 +94,22 @@ class Edges {
     const std::size_t other_end = std::min(first_of(other) + kLeaf, polygon_.size());
     for (std::size_t i = first_of(leaf); i < end; ++i) {
       for (std::size_t k = leaf == other ? i + 1 : first_of(other); k < other_end; ++k) {
-        if (cross(polygon_[i], end_of(i), polygon_[k], end_of(k))) return true;
+        if (cross(polygon_[i], end_of(i), polygon_[k], end_of(k), least_)) return true;
       }
     }
     return false;
   }
 
   std::span<const PlanePoint> polygon_;
+  double least_;
   std::size_t leaves_ = 1;
   std::vector<Box> boxes_;  // from 1 on; the leaves at the end
 };
 
 }  // namespace
 
-bool has_crossing(std::span<const PlanePoint> polygon) { return Edges(polygon).any_cross(); }
+bool has_crossing(std::span<const PlanePoint> polygon, double least) {
+  return Edges(polygon, least).any_cross();
+}
 
 }  // namespace sightline::client::importer

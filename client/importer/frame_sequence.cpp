@@ -4,12 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <assimp/Importer.hpp>
 #include <cctype>
 #include <cstddef>
 #include <optional>
 #include <utility>
 
+#include "client/importer/extension.h"
+#include "client/importer/unread_formats.h"
 namespace sightline::client::importer {
 namespace {
 
@@ -129,13 +130,12 @@ Result<std::vector<std::string>> frame_files(const std::filesystem::path& folder
   std::error_code error;
   std::filesystem::directory_iterator entry(folder, error);
   if (error) return import_error(fmt::format("{}: {}", folder.string(), error.message()));
-  const Assimp::Importer importer;
   std::vector<std::string> files;
   for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
     const std::filesystem::path& path = entry->path();
     std::error_code ignored;
     const bool is_scene = path.has_extension() && path.filename().string()[0] != '.' &&
-                          importer.IsExtensionSupported(path.extension().string());
+                          is_read(extension_of(path.filename().string()));
     if (is_scene && entry->is_regular_file(ignored)) files.push_back(path.string());
   }
   if (error) return import_error(fmt::format("{}: {}", folder.string(), error.message()));

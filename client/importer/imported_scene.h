@@ -43,7 +43,8 @@ struct Warning {
   std::string kind;         ///< one or a few words in lower_snake, which stay the same
   std::uint64_t count = 1;  ///< how often
   std::string first{};      ///< where first: a node, a mesh and a face; may be empty
-  std::string message{};    ///< a sentence for people, which begins with the path of the file
+  std::string message{};    ///< for people, after the path of the file; of a note, without it
+  bool is_note = false;     ///< A fact that may be as it should be, like the border of a terrain.
 };
 
 struct ImportedScene {

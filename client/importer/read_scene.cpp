@@ -17,6 +17,7 @@
 #include "client/importer/formats/stl_reader.h"
 #include "client/importer/gltf/read_gltf.h"
 #include "client/importer/scene_from_file.h"
+#include "client/importer/unread_formats.h"
 
 namespace sightline::client::importer {
 namespace {
@@ -45,7 +46,7 @@ auto reader_of(const SceneFile& file) {
 }
 
 Result<AnimatedScene> read(const SceneFile& file) {
-  if (file.bytes.empty()) return import_error("the file is empty");
+  if (const Status good = check_format(file.name, file.bytes); !good) return good.error();
   if (const Status good = check_encoding(file.bytes); !good) return good.error();
   if (const Status good = preflight(file.name, file.bytes); !good) return good.error();
   if (const Status good = check_complete(file.bytes); !good) return good.error();

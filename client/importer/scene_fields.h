@@ -18,7 +18,7 @@ void fields(Archive& archive, ImportedNode& node) {
 
 template <class Archive>
 void fields(Archive& archive, Warning& warning) {
-  archive(warning.kind, warning.count, warning.first, warning.message);
+  archive(warning.kind, warning.count, warning.first, warning.message, warning.is_note);
 }
 
 template <class Archive>

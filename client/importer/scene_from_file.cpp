@@ -14,7 +14,7 @@
 
 #include "client/importer/frame.h"
 #include "client/importer/node_name.h"
-#include "client/importer/rebase.h"
+#include "client/importer/self_check.h"
 #include "client/importer/triangulate.h"
 
 namespace sightline::client::importer {
@@ -45,6 +45,15 @@ Status check_mesh(const FileMesh& mesh, std::size_t nodes) {
     if (std::isfinite(weight)) continue;
     return import_error(fmt::format("mesh '{}': one of its shapes has the weight {}",
                                     node_name(mesh.name), weight));
+  }
+  return {};
+}
+
+Status check_skin(const FileMesh& mesh) {
+  for (std::size_t b = 0; b < mesh.skin.bones.size(); ++b) {
+    if (is_finite(mesh.skin.bones[b].bone_from_mesh)) continue;
+    return import_error(fmt::format("mesh '{}': the transform of its bone {} is not finite",
+                                    node_name(mesh.name), b));
   }
   return {};
 }
@@ -107,7 +116,8 @@ Status check_animation(const FileScene& file, const Animation& animation) {
 
 Status check(const FileScene& file) {
   for (const FileMesh& mesh : file.meshes) {
-    if (Status good = check_mesh(mesh, file.nodes.size()); !good) return good;
+    if (Status good = check_mesh(mesh); !good) return good;
+    if (Status good = check_skin(mesh); !good) return good;
   }
   for (const FileNode& node : file.nodes) {
     if (Status good = check_node(file, node); !good) return good;
@@ -234,8 +244,8 @@ std::vector<Vertex> rounded(const std::vector<Point>& points) {
   return out;
 }
 
-// Counts polygons that intersect themselves.
-ImportedMesh convert_mesh(const FileMesh& source, Warning& crossed) {
+// Counts polygons that intersect themselves. `number` is that of the mesh.
+ImportedMesh convert_mesh(const FileMesh& source, std::size_t number, Warning& crossed) {
   ImportedMesh mesh;
   mesh.name = node_name(source.name);
   mesh.vertices = rounded(source.vertices);
@@ -249,7 +259,7 @@ ImportedMesh convert_mesh(const FileMesh& source, Warning& crossed) {
       continue;
     }
     if (!triangulator.cut(corners, mesh.faces) && crossed.count++ == 0)
-      crossed.first = fmt::format("mesh '{}', face {}", mesh.name, f);
+      crossed.first = fmt::format("mesh {} '{}', face {}", number, mesh.name, f);
     mesh.triangles += corners.size() - 2;
   }
   return mesh;
@@ -260,7 +270,7 @@ std::vector<ImportedMesh> convert_meshes(std::vector<FileMesh> sources,
   std::vector<ImportedMesh> meshes;
   Warning crossed{.kind = "polygon_crosses_itself", .count = 0};
   for (FileMesh& source : sources) {
-    meshes.push_back(convert_mesh(source, crossed));
+    meshes.push_back(convert_mesh(source, meshes.size(), crossed));
     source = {};
   }
   if (crossed.count == 0) return meshes;
@@ -288,11 +298,13 @@ Result<AnimatedScene> scene_from_file(FileScene file, const ImportOptions& optio
   scene.warnings = std::move(file.warnings);
   out.rig.scene_from_file = frame_conversion(scene, options.up_axis, options.meters_per_unit);
   if (const Status good = put_into_frame(scene, options); !good) return good.error();
-  auto rebased = move_near_origin(file.meshes, scene.nodes, options);
-  if (!rebased) return rebased.error();
-  out.rig.offsets = std::move(rebased->offsets);
-  std::move(rebased->warnings.begin(), rebased->warnings.end(), std::back_inserter(scene.warnings));
+  const auto offset = move_near_origin(file.meshes, scene.nodes, options);
+  if (!offset) return offset.error();
+  out.rig.offset = *offset;
+  std::vector<bool> is_solid;
+  for (const FileMesh& mesh : file.meshes) is_solid.push_back(mesh.is_solid);
   scene.meshes = convert_meshes(std::move(file.meshes), scene.warnings);
+  self_check(file.nodes, is_solid, scene);
   return out;
 }
 

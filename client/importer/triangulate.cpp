@@ -27,8 +27,20 @@ using Corner = std::uint32_t;  // by its number in the polygon
 // Another axis than that of the largest part of the normal must have this much of it.
 constexpr double kLeastPart = 0.1;
 
+// Of the largest coordinate: so far do the lines through float vertices lie from those of the file.
+constexpr double kRounding = 0x1p-21;
+
 bool is_finite(const Vertex& v) {
   return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
+}
+
+double largest_coordinate(const std::vector<Vertex>& vertices,
+                          std::span<const std::uint32_t> corners) {
+  float largest = 0;
+  for (const std::uint32_t corner : corners) {
+    for (const float x : vertices[corner]) largest = std::max(largest, std::abs(x));
+  }
+  return static_cast<double>(largest);
 }
 
 // Newell's normal of a polygon.
@@ -122,7 +134,18 @@ class Triangulator::Work {
     }
   }
 
-  bool crosses_itself() const { return has_crossing(points_); }
+  // Whether edges cross, or a triangle turns the other way than the polygon, by more than this
+  // length.
+  bool crosses_itself(double least) const {
+    const auto turns_back = [&](const std::array<Corner, 3>& triangle) {
+      const PlanePoint &a = at(triangle[0]), &b = at(triangle[1]), &c = at(triangle[2]);
+      const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+      const double length = std::hypot(b.x - a.x, b.y - a.y) + std::hypot(c.x - a.x, c.y - a.y);
+      return area < -least * length;
+    };
+    return std::any_of(triangles_.begin(), triangles_.end(), turns_back) ||
+           has_crossing(points_, least);
+  }
   const std::vector<std::array<Corner, 3>>& triangles() const { return triangles_; }
 
  private:
@@ -143,7 +166,7 @@ class Triangulator::Work {
     left_ = n;
     any_ = 0;
     tree_.build(points_, {});
-    place_.assign(n, 0);
+    position_.assign(n, 0);
     is_left_.assign(n, true);
     previous_.resize(n);
     next_.resize(n);
@@ -207,7 +230,7 @@ class Triangulator::Work {
 
   void push(Corner corner) {
     queue_.push_back(corner);
-    place_[corner] = queue_.size();
+    position_[corner] = queue_.size();
   }
 
   void push_all() {
@@ -223,7 +246,7 @@ class Triangulator::Work {
   void cut_ears(bool is_strict) {
     while (left_ >= 3 && head_ < queue_.size()) {
       const Corner corner = queue_[head_++];
-      if (place_[corner] != head_ || !is_left_[corner]) continue;
+      if (position_[corner] != head_ || !is_left_[corner]) continue;
       if (is_spike(corner) || is_ear(corner, is_strict)) cut_off(corner);
     }
   }
@@ -257,7 +280,7 @@ class Triangulator::Work {
 
   std::vector<PlanePoint> points_;  // by corner, as are the next four
   std::vector<Corner> previous_, next_;
-  std::vector<std::size_t> place_;  // in the queue, from 1 on, of the last time it was put there
+  std::vector<std::size_t> position_;  // in the queue, from 1 on, of the last time it was put there
   std::vector<bool> is_left_;
   std::vector<Corner> queue_;
   std::size_t head_ = 0;
@@ -294,6 +317,7 @@ bool Triangulator::cut(std::span<const std::uint32_t> corners, std::vector<Face>
   std::array<std::size_t, 3> axes{2, 1, 0};
   std::stable_sort(axes.begin(), axes.end(),
                    [&](std::size_t a, std::size_t b) { return part(a) > part(b); });
+  const double least = kRounding * largest_coordinate(vertices_, corners);
   std::optional<std::size_t> stuck;
   for (const std::size_t axis : axes) {
     if (part(axis) < kLeastPart * part(axes[0])) break;
@@ -303,14 +327,14 @@ bool Triangulator::cut(std::span<const std::uint32_t> corners, std::vector<Face>
     if (outcome == Work::Outcome::kStuck && !stuck) stuck = axis;
     if (outcome != Work::Outcome::kCovered) continue;
     add_triangles();
-    return !work_->crosses_itself();
+    return !work_->crosses_itself(least);
   }
   if (!stuck) return add_fan(0);  // without area
   work_->project(vertices_, corners, *stuck);
   work_->cut();
   work_->cut_rest();
   add_triangles();
-  return false;
+  return !work_->crosses_itself(least);
 }
 
 }  // namespace sightline::client::importer

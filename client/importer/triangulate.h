@@ -25,10 +25,10 @@ class Triangulator {
   /// A polygon may have corners on a straight line, equal corners, and boundaries that touch, as
   /// where an edge leads to a hole and back; triangles without area stand for corners that cover
   /// nothing. All triangles of a polygon with a vertex that is not finite have such a vertex.
-  /// Returns whether the polygon does not intersect itself. If it does, the triangles have its
-  /// corners and its outline, and overlap. Crossings of a polygon of thousands of corners that are
-  /// all near each other may stay unnoticed. Decisions are exact. A convex polygon takes O(n) time,
-  /// others O(n log n), as a rule.
+  /// Returns whether the polygon does not intersect itself, by more than the rounding of floats. If
+  /// it does, the triangles have its corners and its outline, and overlap. Crossings of a polygon
+  /// of tens of thousands of edges that are near each other all along may stay unnoticed. Decisions
+  /// are exact. A convex polygon takes O(n) time, others O(n log n), as a rule.
   bool cut(std::span<const std::uint32_t> corners, std::vector<Face>& faces);
 
  private:

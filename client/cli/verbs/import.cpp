@@ -121,6 +121,7 @@ void print_report(const SceneInfo& scene, const FileReport& file, double seconds
     fmt::print("  never hit  {} triangles with a vertex that is not finite\n",
                scene.triangles_nonfinite);
   }
+  print_import_notes(file.warnings);
 }
 
 void report(const Session& session, const SceneInfo& scene, const FileReport& file,
@@ -172,11 +173,14 @@ constexpr const char* kImportFooter =
 changes nothing, and with --replace readers find the old scene or the whole new one. A file of which no ray can hit
 anything, such as a point cloud, is an error.
 
-Polygons are cut into triangles; nothing else is changed, merged or repaired. Lines and points keep their number and are
+Polygons are cut into triangles, n - 2 for n corners, which cover them once; nothing else is changed, merged or repaired. Lines and points keep their number and are
 never hit. A node with several meshes gets a child for each, NAME#0, NAME#1, ... Textures are not read.
 
 FILE may come from a stranger: a child process reads it, which sees no file outside FILE's folder and no network, and
 has limits on memory and time that grow with the size of FILE. What may be missing is a warning on standard error.
+
+Files are glTF 2.0 (.gltf, .glb), OBJ, PLY, STL, Collada (.dae), IFC2X3 (.ifc), AC3D (.ac) or FBX. Other formats are refused
+by their names, with what converts them.
 
 --up and --meters-per-unit are recorded with the scene. Where the file itself says otherwise (glTF, Collada, IFC, FBX),
 the scene is turned or scaled to what is asked for; where it says nothing (OBJ, PLY, STL, AC), nothing is changed.
@@ -192,7 +196,7 @@ Examples:
 
 void add_import_verb(CLI::App& group, Session& session) {
   CLI::App& verb = *group.add_subcommand(
-      "import", "Bring a scene file to the server: glTF GLB OBJ PLY STL DAE IFC AC FBX");
+      "import", "Bring a scene file to the server: glTF GLB OBJ PLY STL DAE IFC2X3 AC FBX");
   const auto arguments = std::make_shared<ImportArguments>();
   add_scene_argument(verb, arguments->scene);
   verb.add_option("FILE", arguments->file, "The scene file")->required();

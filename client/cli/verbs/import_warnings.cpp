@@ -1,12 +1,23 @@
 // One line, or one object, for each warning.
 #include "client/cli/verbs/import_warnings.h"
 
+#include <fmt/format.h>
+
 #include "client/cli/reporting.h"
+#include "client/cli/terminal.h"
 
 namespace sightline::client::cli::verbs {
 
 void print_import_warnings(const std::vector<importer::Warning>& warnings) {
-  for (const importer::Warning& warning : warnings) print_warning(warning.message);
+  for (const importer::Warning& warning : warnings) {
+    if (!warning.is_note) print_warning(warning.message);
+  }
+}
+
+void print_import_notes(const std::vector<importer::Warning>& warnings) {
+  for (const importer::Warning& warning : warnings) {
+    if (warning.is_note) fmt::print("  note       {}\n", printable(warning.message));
+  }
 }
 
 Json json_of_warnings(const std::vector<importer::Warning>& warnings) {

@@ -79,6 +79,7 @@ ExitCode run(const Session& session, const AddArguments& arguments) {
   } else {
     fmt::print("{}: {} nodes added\n  nodes  {}\n", arguments.scene, format_count(ids->size()),
                fmt::join(*ids, " "));
+    print_import_notes(nodes->warnings);
   }
   return kOk;
 }
