@@ -287,7 +287,8 @@ std::string schema_of(std::string_view bytes) {
   const std::size_t close = open == header.npos ? open : header.find('\'', open + 1);
   if (close == header.npos) return {};
   const std::string_view word = header.substr(open + 1, close - open - 1);
-  return std::string(word.substr(0, word.find_first_of(" {")));
+  constexpr std::size_t kLongest = 60;
+  return node_name(word.substr(0, std::min(kLongest, word.find_first_of(" {"))));
 }
 
 // The application protocol that a schema belongs to, in brackets.
