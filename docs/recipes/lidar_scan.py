@@ -43,9 +43,15 @@ def revolution(position, velocity):
 
 
 def scan(scene, position, velocity=(0, 0, 0)):
-    """Hits of shape (columns, beams); t is the range in metres, since directions are unit vectors."""
+    """Hits of shape (columns, beams); t is the range in metres, since directions are unit vectors.
+
+    Rays begin at the sensor: what is nearer than it can measure still hides what is behind it.
+    """
     origins, directions = revolution(position, velocity)
-    return scene.cast(origins=origins, directions=directions, tmin=RANGE[0], tmax=RANGE[1])
+    hits = scene.cast(origins=origins, directions=directions, tmax=RANGE[1])
+    too_near = hits.t < RANGE[0]
+    hits.t[too_near], hits.node[too_near] = np.inf, 0  # nothing is measured there
+    return hits
 
 
 def main():

@@ -4,8 +4,6 @@
 import numpy as np
 import sightline
 
-GAP = 1e-3  # share of a line at either end where nothing counts: the point itself stands on a surface
-
 
 def town(seed=1, blocks=8):
     """Houses of random heights on a grid: vertices, faces, and the middle of each roof (blocks^2, 3)."""
@@ -21,9 +19,9 @@ def town(seed=1, blocks=8):
 
 
 def sees(scene, observers, targets):
-    """bool (n, m): whether the line from observers (n, 3) to targets (m, 3) is free."""
+    """bool (n, m): whether the line from observers (n, 3) to targets (m, 3), which lie on no surface, is free."""
     lines = targets[None] - observers[:, None]
-    blocked = scene.cast(origins=observers[:, None], directions=lines, tmin=GAP, tmax=1 - GAP, kind="any").hit
+    blocked = scene.cast(origins=observers[:, None], directions=lines, tmax=1.0, kind="any").hit
     return ~blocked
 
 

@@ -66,6 +66,22 @@ class LidarScanTest(ServerTest):
                 self.assertTrue(math.isclose(hits.t[column, beam], expected, rel_tol=1e-9), (column, beam))
         self.assertFalse(hits.hit.all())  # the far wall is out of range
 
+    def test_what_is_too_near_hides_what_is_behind(self):
+        lidar = recipe("lidar_scan")
+        scene = self.client.create_scene("near-things")
+        scene.add(lidar.box([-20, -20, -20], [20, 20, 20]), name="room")
+        for name, low, high in (("west", [-0.3, -0.2, -1], [-0.1, 0.2, 1]), ("north", [-0.2, 0.49, -1], [0.2, 0.6, 1]),
+                                ("south", [-0.2, -0.9, -1], [0.2, -0.7, 1]), ("lens", [0.001, -0.0005, -1], [0.2, 0.0005, 1])):
+            scene.add(lidar.box(low, high), name=name)
+        hits = lidar.scan(scene, [0, 0, 0])
+        level = hits.t.shape[1] // 2
+        expected = {0: (np.inf, ""), 180: (np.inf, ""), 360: (np.inf, ""), 540: (0.7, "south"), 90: (28.3, "room")}
+        for column, (metres, name) in expected.items():
+            self.assertAlmostEqual(hits.t[column, level], metres, delta=0.02)
+            self.assertEqual((bool(hits.hit[column, level]), hits.name[column, level]), (bool(name), name))
+        self.assertTrue((hits.t >= lidar.RANGE[0]).all())
+        self.assertEqual(np.isfinite(hits.position[..., 0]).tolist(), hits.hit.tolist())
+
 
 class LineOfSightTest(ServerTest):
     def test_matrix(self):
@@ -74,10 +90,18 @@ class LineOfSightTest(ServerTest):
         antennas = roofs + [0, 0, 2]
         sees = line_of_sight.sees(self.scene_of((vertices, faces)), antennas, antennas)
         first, second = np.nonzero(~np.eye(len(antennas), dtype=bool))
-        crossed = brute.hits(vertices, faces, antennas[first], antennas[second] - antennas[first], tmin=1e-3, tmax=1 - 1e-3)
+        crossed = brute.hits(vertices, faces, antennas[first], antennas[second] - antennas[first], tmax=1.0)
         np.testing.assert_array_equal(sees[first, second], np.isnan(crossed).all(axis=1))
         np.testing.assert_array_equal(sees, sees.T)
         self.assertTrue(0 < sees[first, second].mean() < 1)
+
+    def test_what_stands_near_an_end_of_a_long_line(self):
+        line_of_sight = recipe("line_of_sight")
+        for at in (0.5, 99.5, 9999.5, 0.01):
+            wall = ([[at, -1, -1], [at, 1, -1], [at, 1, 1], [at, -1, 1]], [[0, 1, 2], [0, 2, 3]])
+            scene = self.client.import_arrays("near-an-end", *wall, replace=True)
+            sees = line_of_sight.sees(scene, np.array([[0.0, 0.1, 0.2]]), np.array([[10000.0, 0.1, 0.2]]))
+            self.assertFalse(sees.any(), at)
 
 
 class ViewshedTest(ServerTest):
