@@ -19,6 +19,7 @@
 #include "client/cli/reporting.h"
 #include "client/cli/session.h"
 #include "client/cli/terminal.h"
+#include "client/cli/verbs/rtrace_flags.h"
 #include "client/cli/verbs/verbs.h"
 
 namespace sightline::client::cli {

@@ -1,12 +1,11 @@
 // sightline rtrace: casts as Radiance's rtrace does, for programs that drive it.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
-#include <array>
+#include <algorithm>
 #include <memory>
-#include <optional>
 #include <string>
-#include <string_view>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -32,6 +31,9 @@ struct RtraceArguments {
   std::string letters = "pN";
   bool header = true;
   bool limit = false;
+  bool backs = true;
+  bool warnings = true;
+  std::vector<std::string> no_effect;
   std::uint32_t width = 0;
   std::uint32_t height = 0;
 };
@@ -85,16 +87,31 @@ Result<CastOutcome> cast(const Client& client, const RtraceArguments& arguments,
                 .size = {arguments.width, arguments.height},
                 .names = *std::move(names)}));
   if (!hits) return hits.error();
-  return cast_rays(client,
-                   {.scene = arguments.scene,
-                    .fields = files::rtrace_fields(arguments.letters),
-                    .options = {.stop = stop}},
-                   *std::move(rays), *std::move(hits));
+  return cast_rays(
+      client,
+      {.scene = arguments.scene,
+       .fields = files::rtrace_fields(arguments.letters),
+       .options = {.culling = arguments.backs ? Culling::kNone : Culling::kBack, .stop = stop}},
+      *std::move(rays), *std::move(hits));
+}
+
+// What flags ask for that scenes do not have.
+void note_flags_without_effect(const RtraceArguments& arguments) {
+  std::vector<std::string> flags;
+  for (const std::string& flag : arguments.no_effect) {
+    if (std::find(flags.begin(), flags.end(), flag) == flags.end()) flags.push_back(flag);
+  }
+  if (flags.empty() || !arguments.warnings) return;
+  print_warning(fmt::format(
+      "without effect: {}: rays are cast as they are, at a scene without light, by a server with "
+      "its own threads",
+      fmt::join(flags, " ")));
 }
 
 ExitCode run(const Session& session, const RtraceArguments& arguments) {
   const files::RtraceEncoding encoding = encoding_of(arguments);
   if (session.json) throw CLI::ValidationError("--json", "standard output is for the hits");
+  note_flags_without_effect(arguments);
   const auto client = session.connect();
   if (!client) return fail(client.error());
   const Interrupt interrupt;
@@ -104,13 +121,18 @@ ExitCode run(const Session& session, const RtraceArguments& arguments) {
   const auto outcome = cast(*client, arguments, encoding, interrupt.token());
   if (!outcome && interrupt.happened()) return say_interrupted();
   if (!outcome) return fail(outcome.error());
-  print_cast_warnings(*outcome, *scene);
+  if (arguments.warnings) print_cast_warnings(*outcome, *scene);
   return kOk;
 }
 
 constexpr const char* kRtraceFooter =
-    R"(The flags and records are those of Radiance's rtrace, as far as they are about geometry. Rays are on standard
-input, six numbers each: origin and direction, of any length. A record goes out as soon as its ray came.
+    R"(The flags and records are those of Radiance's rtrace. Rays are on standard input, six numbers each: origin and
+direction, of any length. A record goes out as soon as its ray came.
+
+Switches are given as -h, which turns the switch around, -h+ or -h-: -h for a header, -ld for rays as long as their
+directions, -bv for hits on backs of faces (without: only fronts exist), -w for warnings. Flags about light, materials and
+processes, such as -ab 2, -n 4, -lr 0 or -I, are taken with their values; a warning says that they have no effect. $NAME and
+@FILE instead of a flag stand for the words in a variable and in a file.
 
 Letters of -o, in the order in which they are given:
   o d  origin and direction, of unit length
@@ -128,25 +150,6 @@ Examples:
 
 }  // namespace
 
-void spell_out_rtrace_flags(std::vector<std::string>& words) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kSpelled{
-      {{"-h", "--header=false"},
-       {"-h-", "--header=false"},
-       {"-h+", "--header=true"},
-       {"-ld", "--limit=true"},
-       {"-ld+", "--limit=true"},
-       {"-ld-", "--limit=false"}}};
-  bool is_rtrace = false;
-  for (std::string& word : words) {
-    for (const auto& [flag, spelled] : kSpelled) {
-      if (!is_rtrace || word != flag) continue;
-      word = spelled;
-      break;
-    }
-    is_rtrace = is_rtrace || word == "rtrace";
-  }
-}
-
 void add_rtrace_verb(CLI::App& program, Session& session) {
   CLI::App& verb = *program.add_subcommand("rtrace", "Cast with the flags of Radiance's rtrace");
   verb.set_help_flag("--help", "Print this text and exit");
@@ -160,6 +163,11 @@ void add_rtrace_verb(CLI::App& program, Session& session) {
   verb.add_flag("--header,!--no-header", arguments->header,
                 "A header before the records, or not; -h and -h- are for no header, -h+ for one");
   verb.add_flag("--limit", arguments->limit, "A ray is as long as its direction; -ld is the same");
+  verb.add_flag("--backs,!--no-backs", arguments->backs,
+                "Hits on backs of faces count, or not; -bv- is for not");
+  verb.add_flag("--warnings,!--no-warnings", arguments->warnings,
+                "Warnings, or not; -w and -w- are for none");
+  verb.add_option("--no-effect", arguments->no_effect)->group("")->take_all();
   verb.add_option("-x", arguments->width, "Rays in a row of a picture")->type_name("N");
   verb.add_option("-y", arguments->height,
                   "Rows; with -x, so many rays are read, and a line of the size is written")

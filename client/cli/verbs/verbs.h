@@ -23,8 +23,6 @@ void add_scene_export_verb(CLI::App& group, Session& session);
 void add_server_verb(CLI::App& program, Session& session);
 /// Adds `rtrace`, whose flags are those of another program.
 void add_rtrace_verb(CLI::App& program, Session& session);
-/// Of the words of a command line, replaces those flags of rtrace that the parser cannot read.
-void spell_out_rtrace_flags(std::vector<std::string>& words);
 void add_backup_verbs(CLI::App& program, Session& session);
 void add_cast_verb(CLI::App& program, Session& session);
 void add_completion_verb(CLI::App& program, Session& session);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cstdlib>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -66,8 +67,18 @@ TEST_F(Rtrace, BinaryOfBothSizesAnswersAtOnce) {
 }
 
 TEST_F(Rtrace, WhatItCannotDoIsAUsageError) {
-  for (const std::vector<std::string>& wrong :
-       {std::vector<std::string>{"-ov"}, {"-fc"}, {"-ff", "-os"}, {"-ab", "2"}, {"--json"}}) {
+  for (const std::vector<std::string>& wrong : {std::vector<std::string>{"-ov"},
+                                                {"-fc"},
+                                                {"-ff", "-os"},
+                                                {"-ab"},
+                                                {"-av", "1", "2"},
+                                                {"-lr", "x"},
+                                                {"-n", "1.5"},
+                                                {"-ap", "map"},
+                                                {"-M", "mods"},
+                                                {"@none.opt"},
+                                                {"$NOT_SET_ANYWHERE"},
+                                                {"--json"}}) {
     std::vector<std::string> words{"rtrace", "square"};
     words.insert(words.end(), wrong.begin(), wrong.end());
     const ProgramOutcome outcome = run_program(words);
@@ -75,6 +86,88 @@ TEST_F(Rtrace, WhatItCannotDoIsAUsageError) {
     EXPECT_NE(outcome.err, "");
   }
   EXPECT_NE(run_program({"rtrace", "--help"}).out.find("Examples:\n"), std::string::npos);
+}
+
+TEST_F(Rtrace, FlagsOfScriptsAreTaken) {
+  const std::string expected = "3.000000e+00\t\n";
+  for (const std::vector<std::string>& flags : std::vector<std::vector<std::string>>{
+           {"-ab", "2"},
+           {"-aa", ".15", "-ar", "300", "-ad", "1024", "-as", "512"},
+           {"-av", "0", "0.5", "1"},
+           {"-lr", "-10", "-lw", "1e-4"},
+           {"-dj", "0", "-ds", ".2"},
+           {"-dt", ".05", "-dc", ".5", "-dr", "3", "-dp", "512"},
+           {"-st", "0.1", "-ss", "1"},
+           {"-me", "0", "0", "0", "-ma", "0", "0", "0", "-mg", "0", "-ms", "0"},
+           {"-u+"},
+           {"-dv-"},
+           {"-n", "8"},
+           {"-w"},
+           {"-w+"},
+           {"-w-"},
+           {"-I"},
+           {"-I+"},
+           {"-i"},
+           {"-i0"},
+           {"-bv"},
+           {"-bv+"},
+           {"-e", "errors.txt"},
+           {"-P", "file"},
+           {"-PP", "file"},
+           {"-af", "amb.amb"},
+           {"-ti", "mod"},
+           {"-te", "mod"},
+           {"-pRGB"},
+           {"-pY"},
+           {"-pc", ".64", ".33", ".29", ".6", ".15", ".06", ".333", ".333"},
+           {"-aw", "0"}}) {
+    std::vector<std::string> words = flags;
+    words.insert(words.end(), {"-h", "-oL"});
+    EXPECT_EQ(traced(words, kDown), expected) << flags[0];
+  }
+}
+
+TEST_F(Rtrace, ASwitchTurnsAround) {
+  EXPECT_EQ(traced({"-h", "-h", "-h0", "-oL"}, kDown), "3.000000e+00\t\n");
+  EXPECT_EQ(traced({"-hn", "-ld", "-ld", "-oL"}, kDown), "3.000000e+00\t\n");
+  EXPECT_EQ(traced({"-h-", "-ldy", "-oL"}, kDown), "1.000000e+10\t\n");
+  EXPECT_NE(traced({"-hT", "-oL"}, kDown).find("#?RADIANCE"), std::string::npos);
+}
+
+TEST_F(Rtrace, BacksOfFacesAreInvisibleOnRequest) {
+  const std::string up = "0.75 0.25 -3 0 0 1\n";
+  EXPECT_EQ(traced({"-h", "-oL"}, up), "3.000000e+00\t\n");
+  for (const char* flag : {"-bv", "-bv-", "-bv0"})
+    EXPECT_EQ(traced({"-h", flag, "-oL"}, kDown + up), "3.000000e+00\t\n1.000000e+10\t\n");
+}
+
+TEST_F(Rtrace, WordsOfFilesAndVariables) {
+  const std::string options = dir_.write("rt.opt", "-h -ab 2\n-lr 0 -oL\n");
+  EXPECT_EQ(traced({"@" + options}, kDown), "3.000000e+00\t\n");
+  ::setenv("SIGHTLINE_TEST_OPTIONS", ("-ad 64 @" + options).c_str(),
+           1);  // NOLINT(concurrency-mt-unsafe)
+  EXPECT_EQ(traced({"$SIGHTLINE_TEST_OPTIONS"}, kDown), "3.000000e+00\t\n");
+  const std::string endless = dir_.write("endless.opt", "-ab 2 @" + dir_.path("endless.opt"));
+  EXPECT_EQ(run_program({"rtrace", "@" + endless, "square"}).exit, 2);
+}
+
+TEST_F(Rtrace, OneNoteNamesTheFlagsWithoutEffect) {
+  const auto noted = [](std::vector<std::string> flags) {
+    std::vector<std::string> words{"rtrace", "-x", "0", "-h"};
+    words.insert(words.end(), flags.begin(), flags.end());
+    words.emplace_back("none");
+    return run_program(words).err;
+  };
+  const std::string note = noted({"-ab", "2", "-n", "4", "-ab", "3", "-I+"});
+  EXPECT_NE(note.find("without effect: -ab -n -I: "), std::string::npos) << note;
+  for (const char* silent : {"-w", "-w-", "-q"})
+    EXPECT_EQ(noted({"-ab", "2", silent}).find("without effect"), std::string::npos) << silent;
+  EXPECT_EQ(noted({"-ld", "-bv"}).find("without effect"), std::string::npos);
+}
+
+TEST_F(Rtrace, OtherVerbsHaveTheirOwnFlags) {
+  EXPECT_EQ(run_program({"scene", "show", "rtrace", "-n", "4"}).exit, 2);
+  EXPECT_EQ(run_program({"--deadline", "5", "rtrace", "-n", "4", "none"}).exit, 3);
 }
 
 }  // namespace
