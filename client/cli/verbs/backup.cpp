@@ -33,6 +33,7 @@ ExitCode back_up(const Session& session, const BackupArguments& arguments) {
     print_json({{"directory", arguments.directory}, {"scenes", rows}});
     return kOk;
   }
+  if (session.quiet) return kOk;
   for (const BackupScene& scene : *scenes)
     fmt::print("{} at revision {}; it can be restored from revision {} on\n", printable(scene.name),
                scene.revision, scene.base);
@@ -55,6 +56,7 @@ ExitCode restore(const Session& session, const BackupArguments& arguments) {
     print_json({{"directory", arguments.directory}, {"scenes", rows}});
     return kOk;
   }
+  if (session.quiet) return kOk;
   for (const RestoredScene& scene : *scenes)
     fmt::print("{} restored at revision {}\n", printable(scene.name), scene.revision);
   return kOk;

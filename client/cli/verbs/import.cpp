@@ -127,7 +127,7 @@ void print_report(const SceneInfo& scene, const FileReport& file, double seconds
 void report(const Session& session, const SceneInfo& scene, const FileReport& file,
             double seconds) {
   if (!session.json) {
-    print_report(scene, file, seconds);
+    if (!session.quiet) print_report(scene, file, seconds);
     return;
   }
   print_json({{"scene", scene.name},

@@ -156,10 +156,10 @@ ExitCode run(const Session& session, const PrefetchArguments& arguments) {
   outcome.stats = ask_stats(session, arguments.scene);
   if (session.json) print_json(json_of(arguments.scene, outcome));
   if (!outcome.complete) {
-    print_table(stderr, arguments.scene, outcome);
+    if (!session.quiet) print_table(stderr, arguments.scene, outcome);
     return interrupted_code();
   }
-  if (!session.json) print_table(stdout, arguments.scene, outcome);
+  if (!session.json && !session.quiet) print_table(stdout, arguments.scene, outcome);
   return kOk;
 }
 

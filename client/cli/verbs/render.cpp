@@ -71,7 +71,7 @@ void report(const Session& session, const RenderArguments& arguments,
                                {"seconds", seconds}};
     if (picture.scale) add_scale(*picture.scale, document);
     print_json(document);
-  } else if (arguments.out != "-") {
+  } else if (arguments.out != "-" && !session.quiet) {
     fmt::print("{}: {} x {}, {} rays, {} hits, {:.2f} s\n", arguments.out, width, height, cast.rays,
                cast.hits, seconds);
   }

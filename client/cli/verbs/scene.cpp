@@ -146,7 +146,7 @@ ExitCode remove(const Session& session, const std::string& name) {
   if (const Status gone = client->delete_scene(name); !gone) return fail(gone.error());
   if (session.json) {
     print_json({{"scene", name}, {"deleted", true}});
-  } else {
+  } else if (!session.quiet) {
     fmt::print("{} deleted\n", name);
   }
   return kOk;
@@ -159,7 +159,7 @@ ExitCode cool(const Session& session, const std::string& name) {
   if (!freed) return fail(freed.error());
   if (session.json) {
     print_json({{"scene", name}, {"bytes_freed", *freed}});
-  } else {
+  } else if (!session.quiet) {
     fmt::print("{} cooled, {} freed\n", name, format_bytes(*freed));
   }
   return kOk;

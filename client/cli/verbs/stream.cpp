@@ -149,10 +149,10 @@ ExitCode report(const Session& session, const StreamArguments& arguments,
                 const playback::PlaybackReport& report, bool complete) {
   if (session.json) print_json(json_of(arguments, motion, target, report, complete));
   if (!complete) {
-    print_table(stderr, arguments, report);
+    if (!session.quiet) print_table(stderr, arguments, report);
     return interrupted_code();
   }
-  if (!session.json) print_table(stdout, arguments, report);
+  if (!session.json && !session.quiet) print_table(stdout, arguments, report);
   return report.first_reject ? fail(*report.first_reject) : kOk;
 }
 

@@ -60,6 +60,7 @@ void report(const Session& session, const UpdateArguments& arguments, std::size_
                 {"replayed", applied.replayed}});
     return;
   }
+  if (session.quiet) return;
   fmt::print("{} at revision {}: {} update{}{}\n", arguments.scene, applied.revision, updates,
              updates == 1 ? "" : "s", applied.replayed ? ", applied before" : "");
   if (!applied.nodes.empty()) fmt::print("  nodes  {}\n", fmt::join(applied.nodes, " "));

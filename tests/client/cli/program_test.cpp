@@ -62,6 +62,32 @@ class Program : public tests::LiveClient {
   tests::TempDir dir_;
 };
 
+TEST_F(Program, QuietSaysNothingOfWhatWasDone) {
+  const std::string file = dir_.write("square.obj", kSquare);
+  const std::string updates = dir_.write("ops.ndjson", R"({"put_node": {"node": -1}})");
+  const std::string picture = dir_.path("p.png"), scene = dir_.path("s.glb");
+  const std::vector<std::vector<const char*>> commands{
+      {"scene", "import", "square", file.c_str(), "-q"},
+      {"-q", "scene", "import", "square", file.c_str(), "--replace"},
+      {"scene", "add", "square", file.c_str(), "--quiet"},
+      {"update", "square", "--file", updates.c_str(), "-q"},
+      {"prefetch", "square", "-q"},
+      {"render", "square", "--out", picture.c_str(), "--size", "8x8", "-q"},
+      {"scene", "export", "square", scene.c_str(), "-q"},
+      {"scene", "cool", "square", "-q"},
+      {"scene", "rm", "square", "-q"}};
+  for (const auto& command : commands) {
+    const Outcome outcome = run(command);
+    EXPECT_EQ(outcome.exit, 0) << outcome.err;
+    EXPECT_EQ(outcome.out + outcome.err, "") << command[1];
+  }
+  const Outcome failed = run({"scene", "import", "square", "none.obj", "-q"});
+  EXPECT_EQ(failed.exit, 1);
+  EXPECT_NE(failed.err.find("none.obj"), std::string::npos);
+  const Outcome asked = run({"scene", "import", "square", file.c_str(), "-q", "--json"});
+  expect_keys(asked.out, {"scene", "revision", "triangles_unique"});
+}
+
 TEST_F(Program, UsageErrorsExitWithTwo) {
   const std::vector<std::vector<const char*>> wrong{
       {},

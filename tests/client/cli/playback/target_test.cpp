@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "client/cli/nodes.h"
 #include "client/cli/playback/motion.h"
 #include "client/scene_upload.h"
 #include "tests/client/support/live_client.h"
