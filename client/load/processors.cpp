@@ -65,7 +65,8 @@ std::string bottleneck(const ProcessorUse& use, double in_flight_s) {
         "this machine is {} % busy, and the load test itself takes {} % of its processors",
         std::min(percent(use.busy_share()), 100), own);
   }
-  if (in_flight_s > 0 && use.own_s >= kFlightShare * in_flight_s) {
+  const bool is_much = use.own_s >= kLeastOwn * use.elapsed_s;
+  if (is_much && in_flight_s > 0 && use.own_s >= kFlightShare * in_flight_s) {
     return fmt::format("of the time of requests, {} % is the load test's own work",
                        std::min(percent(use.own_s / in_flight_s), 100));
   }

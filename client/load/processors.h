@@ -38,11 +38,13 @@ class ProcessorMeter {
 
 /// A share of the machine from which the load test is suspected: kBusyOwnShare if the machine has
 /// no time left, else kOwnShare. `in_flight_s` is the time that requests took, summed: the test's
-/// own work must be at most kFlightShare of it.
+/// own work must be at most kFlightShare of it, unless it keeps one processor busy for less than
+/// kLeastOwn of the time.
 inline constexpr double kOwnShare = 0.5;
 inline constexpr double kBusyOwnShare = 0.25;
 inline constexpr double kBusyShare = 0.95;
 inline constexpr double kFlightShare = 0.5;
+inline constexpr double kLeastOwn = 0.25;
 
 /// A sentence that says why the load test itself is the bottleneck, or nothing if it is not.
 std::string bottleneck(const ProcessorUse& use, double in_flight_s);

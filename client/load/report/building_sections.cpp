@@ -2,7 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "client/load/report/plot.h"
 #include "client/load/report/section.h"
@@ -40,21 +43,77 @@ std::string comparison(double lazy, double full) {
   return "about as long";
 }
 
-std::string coverage_sentence(const Findings& findings, const Series& lazy, const Series& full) {
-  const double coverage = std::max(lazy.points.front().x, full.points.front().x);
-  const double lazy_s = value_at(lazy.points, coverage);
-  const double full_s = value_at(full.points, coverage);
-  const std::string text = fmt::format(
-      "For {} rays from a cold start that touch {:g} % of what can be seen, building on demand "
-      "takes {}, and building everything first takes {}, {}. ",
-      short_number(static_cast<double>(findings.options.rays_per_run)), coverage, duration(lazy_s),
-      duration(full_s), comparison(lazy_s, full_s));
-  if (!findings.crossovers.coverage)
-    return text + "Building on demand is ahead at every share that was measured.";
-  if (*findings.crossovers.coverage <= coverage)
-    return text + "Building everything first takes no longer at every share that was measured.";
-  return text + fmt::format("From about {:.0f} % on, building everything first takes no longer.",
-                            *findings.crossovers.coverage);
+/// What both builds took, at a coverage at which both were measured.
+struct Compared {
+  double coverage = 0, lazy_s = 0, full_s = 0;
+
+  bool is_lazy_ahead() const { return full_s > lazy_s * kSameTime; }
+  bool is_full_ahead() const { return lazy_s > full_s * kSameTime; }
+};
+
+std::vector<Compared> compare(const std::vector<Point>& lazy, const std::vector<Point>& full) {
+  std::vector<Compared> both;
+  for (const Point& point : lazy) {
+    const auto other = std::find_if(full.begin(), full.end(),
+                                    [&](const Point& there) { return there.x == point.x; });
+    if (other != full.end()) both.push_back({point.x, point.y, other->y});
+  }
+  return both;
+}
+
+/// Whether lazy is ahead up to some coverage, and from there on nowhere.
+bool has_one_crossover(const std::vector<Compared>& both) {
+  return !both.empty() && both.front().is_lazy_ahead() && !both.back().is_lazy_ahead() &&
+         std::is_partitioned(both.begin(), both.end(),
+                             [](const Compared& at) { return at.is_lazy_ahead(); });
+}
+
+/// "1 %, 10 % and 100 %".
+std::string list_of(const std::vector<double>& coverages) {
+  std::string text;
+  for (std::size_t i = 0; i < coverages.size(); ++i) {
+    if (i > 0) text += i + 1 == coverages.size() ? " and " : ", ";
+    text += percent_label(coverages[i]);
+  }
+  return text;
+}
+
+/// Who is ahead, at each of the coverages.
+std::string verdict(const std::vector<Compared>& both, std::optional<double> crossing) {
+  std::vector<double> ahead, behind;
+  for (const Compared& at : both) {
+    if (at.is_lazy_ahead()) ahead.push_back(at.coverage);
+    if (at.is_full_ahead()) behind.push_back(at.coverage);
+  }
+  const std::string everywhere = both.size() == 1 ? "the one share that was measured of both"
+                                                  : "every share that was measured of both";
+  if (ahead.size() == both.size())
+    return fmt::format("Building on demand is ahead at {}.", everywhere);
+  if (behind.size() == both.size())
+    return fmt::format("Building everything first is ahead at {}.", everywhere);
+  if (ahead.empty() && behind.empty())
+    return fmt::format("Both take about as long at {}.", everywhere);
+  if (crossing && has_one_crossover(both)) {
+    return fmt::format("From about {:.0f} % on, building everything first takes no longer.",
+                       *crossing);
+  }
+  if (ahead.empty())
+    return fmt::format("Building everything first takes no longer at {}.", everywhere);
+  if (behind.empty()) return fmt::format("Building on demand takes no longer at {}.", everywhere);
+  return fmt::format("Building on demand is ahead at {}, and behind at {}.", list_of(ahead),
+                     list_of(behind));
+}
+
+std::string coverage_sentence(const Findings& findings, const std::vector<Compared>& both) {
+  if (both.empty()) return "The two were not measured at the same shares.";
+  const Compared& least = both.front();
+  return fmt::format(
+             "For {} rays from a cold start that touch {:g} % of what can be seen, building on "
+             "demand takes {}, and building everything first takes {}, {}. ",
+             short_number(static_cast<double>(findings.options.rays_per_run)), least.coverage,
+             duration(least.lazy_s), duration(least.full_s),
+             comparison(least.lazy_s, least.full_s)) +
+         verdict(both, findings.crossovers.coverage);
 }
 
 std::string rays_sentence(const Row& lazy, const Row& full, std::optional<double> crossing) {
@@ -63,10 +122,16 @@ std::string rays_sentence(const Row& lazy, const Row& full, std::optional<double
       "At {:g} % coverage the first answer comes after {} if trees are built on demand, and "
       "after {} if everything is built first. ",
       lazy.coverage, first(lazy), first(full));
+  const std::vector<Point> of_lazy = progress_of(lazy), of_full = progress_of(full);
+  if (!crossing &&
+      std::min(of_lazy.back().x, of_full.back().x) < std::max(of_lazy.front().x, of_full.front().x))
+    return text + "They have no number of answered rays in common. ";
   if (!crossing) {
-    return text + fmt::format("Within {} rays, building everything first does not catch up. ",
-                              short_number(static_cast<double>(lazy.run.record.rays)));
+    return text + fmt::format("At {} rays, building everything first has not caught up. ",
+                              short_number(std::min(of_lazy.back().x, of_full.back().x)));
   }
+  if (*crossing <= std::max(of_lazy.front().x, of_full.front().x))
+    return text + "Building everything first is not behind at any number of rays. ";
   return text + fmt::format("After {} rays, building everything first has caught up. ",
                             short_number(*crossing));
 }
@@ -151,8 +216,9 @@ std::optional<Section> over_coverage(const Findings& findings) {
     series.back().with_dots = true;
   }
   const Range range(series);
+  const std::vector<Compared> both = compare(series[0].points, series[1].points);
   Section section{.title = "Lazy against full, by how much of the scene is touched",
-                  .sentence = coverage_sentence(findings, series[0], series[1]),
+                  .sentence = coverage_sentence(findings, both),
                   .figures = {}};
   LinePlot plot{.title = "Time of a cold run by coverage",
                 .x_label = "coverage: share of the visible scene that rays touch",
@@ -160,7 +226,7 @@ std::optional<Section> over_coverage(const Findings& findings) {
                 .x = Axis::logarithmic(range.x_low, range.x_high, percent_label),
                 .y = Axis::logarithmic(range.y_low, range.y_high, duration),
                 .series = std::move(series)};
-  if (const auto crossing = findings.crossovers.coverage)
+  if (const auto crossing = findings.crossovers.coverage; crossing && has_one_crossover(both))
     plot.mark = Mark{*crossing, fmt::format("crossover: {:.0f} %", *crossing)};
   section.figures.push_back(to_svg(plot));
   return section;

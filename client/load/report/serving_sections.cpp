@@ -144,7 +144,7 @@ std::optional<Section> throughput(const Findings& findings) {
                          short_number(rate) + " rays/s",
                          colour_of(row.build)});
   }
-  if (best == nullptr) return std::nullopt;
+  if (best == nullptr || rays_per_s(*best) <= 0) return std::nullopt;
   std::string sentence =
       findings.options.rate
           ? fmt::format(
@@ -167,7 +167,7 @@ std::optional<Section> where_time_went(const Findings& findings) {
     const auto largest = std::max_element(parts.begin(), parts.end());
     if (*largest == 0) continue;
     plot.bars.push_back({label_of(row, findings.options), {parts.begin(), parts.end()}, "", 0});
-    if (row.coverage == widest_rows(findings).front()->coverage) {
+    if (row.coverage == extreme_coverages(findings.options).back()) {
       sentence +=
           fmt::format("With {}, the largest part of the time of a request, {}, is spent {}. ",
                       words_of(row.build), percent(*largest),

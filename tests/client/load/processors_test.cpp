@@ -30,6 +30,14 @@ TEST(Processors, SoAreRequestsThatAreMostlyItsOwnWork) {
   EXPECT_EQ(bottleneck(use_of(0.1, 0.2), 20), "");
 }
 
+TEST(Processors, ALoadTestThatIsNearlyIdleIsNot) {
+  for (const double own : {0.0, 0.001, 0.014, 0.03, 0.06}) {
+    for (const double in_flight : {0.01, 0.5, 1.0})
+      EXPECT_EQ(bottleneck(use_of(own, 0.2), in_flight), "") << own;
+  }
+  EXPECT_EQ(bottleneck({.elapsed_s = 30, .processors = 2, .own_s = 0.84, .busy_s = 58}, 0.9), "");
+}
+
 TEST(Processors, TheMeterCountsThisProcess) {
   const ProcessorMeter meter;
   while (meter.use().own_s < 0.02) {

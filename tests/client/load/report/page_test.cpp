@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cctype>
 #include <string>
 #include <vector>
@@ -31,6 +32,11 @@ Row cold_row(BuildMode build, double coverage, int build_ms, int step_ms) {
   }
   row.growth = {{milliseconds(0), 0, 0}, {milliseconds(500), 40'000, 4'000'000}};
   return row;
+}
+
+/// Answers so that all rays have taken this many seconds.
+Row row_of(BuildMode build, double coverage, double seconds) {
+  return cold_row(build, coverage, 0, static_cast<int>(seconds * 10));
 }
 
 LoadOptions options() {
@@ -74,6 +80,53 @@ TEST(ReportPage, SaysWhereTheCrossoverIs) {
             std::string::npos);
   EXPECT_NE(page.find("crossover: 660 k rays"), std::string::npos);
   EXPECT_NE(page.find("crossover: 60 %"), std::string::npos);
+}
+
+/// What is said of runs that took these seconds, lazy and full, by coverage; 0: not measured.
+std::string verdict_of(const std::vector<std::array<double, 3>>& runs) {
+  LoadOptions asked = options();
+  LoadResult made = result();
+  asked.coverage.clear();
+  made.rows.clear();
+  for (const auto& [coverage, lazy, full] : runs) {
+    asked.coverage.push_back(coverage);
+    if (lazy > 0) made.rows.push_back(row_of(BuildMode::kLazy, coverage, lazy));
+    if (full > 0) made.rows.push_back(row_of(BuildMode::kFull, coverage, full));
+  }
+  const std::string page = make_page(asked, context(), made);
+  const std::size_t begin = page.find("by how much of the scene is touched");
+  return begin == std::string::npos ? "" : page.substr(begin, page.find("</p>", begin) - begin);
+}
+
+TEST(ReportPage, SaysWhoIsAheadAndWhere) {
+  struct Case {
+    std::vector<std::array<double, 3>> runs;
+    const char* text;
+  };
+  const std::array cases = std::to_array<Case>({
+      {{{1, 1, 2}, {10, 2, 3}, {100, 3, 4}}, "on demand is ahead at every share"},
+      {{{1, 2, 1}, {10, 3, 2}, {100, 4, 3}}, "everything first is ahead at every share"},
+      {{{1, 2, 2}, {10, 3, 3.1}, {100, 4, 3.9}}, "about as long at every share"},
+      {{{1, 1, 2}, {10, 2, 2}, {100, 4, 3}}, "on, building everything first takes no longer"},
+      {{{1, 2, 1}, {10, 2, 2}, {100, 3, 3}}, "everything first takes no longer at every share"},
+      {{{1, 2, 2}, {10, 2, 2}, {100, 3, 4}}, "on demand takes no longer at every share"},
+      {{{1, 2, 1}, {10, 2, 3}, {100, 3, 4}}, "ahead at 10 % and 100 %, and behind at 1 %"},
+      {{{1, 1, 2}, {10, 3, 2}, {100, 3, 4}}, "ahead at 1 % and 100 %, and behind at 10 %"},
+      {{{1, 1, 0}, {10, 2, 3}, {100, 0, 4}, {50, 2, 3}}, "on demand is ahead at every share"},
+      {{{1, 1, 0}, {10, 2, 0}, {50, 0, 3}, {100, 0, 4}}, "not measured at the same shares"},
+  });
+  for (const auto& [runs, text] : cases) {
+    const std::string said = verdict_of(runs);
+    EXPECT_NE(said.find(text), std::string::npos) << text << "\n" << said;
+  }
+  EXPECT_EQ(verdict_of({{100, 1, 2}}), "");
+}
+
+TEST(ReportPage, ARunWithoutAnswersAtTheLargestCoverageIsLeftOut) {
+  LoadResult made = result();
+  made.rows[2].run.record = {};
+  made.rows[3].run.record = {};
+  EXPECT_NE(make_page(options(), context(), made).find("Where time went"), std::string::npos);
 }
 
 TEST(ReportPage, LoadsNothingAndRunsNothing) {
