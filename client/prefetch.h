@@ -28,7 +28,7 @@ struct PrefetchReport {
   /// Meshes whose trees are complete; only without rays, like the next three
   std::uint64_t meshes_done = 0;
   std::uint64_t meshes_total = 0;  ///< distinct meshes
-  /// The triangles of the complete meshes.
+  /// The triangles of the complete meshes, and those in finished leaves of others.
   std::uint64_t triangles_done = 0;
   std::uint64_t triangles_total = 0;
   std::uint64_t rays_done = 0;

@@ -211,6 +211,17 @@ std::vector<const model::Mesh*> meshes_of(std::span<const model::Node* const> no
   return meshes;
 }
 
+std::uint64_t triangles_begun(std::span<const model::Mesh* const> meshes) {
+  std::uint64_t triangles = 0;
+  for (const model::Mesh* mesh : meshes) {
+    if (!mesh->is_resident()) continue;
+    const accel::kdtree::EpochPin pin;
+    const accel::mesh::MeshTree& tree = mesh->tree();
+    if (!tree.untouched() && !tree.is_complete()) triangles += tree.growth().references_built;
+  }
+  return triangles;
+}
+
 Status build_mesh_trees(std::span<const model::Node* const> nodes, BuildProgress& progress,
                         const std::atomic<bool>* cancelled) {
   const Status done = or_error([&] {

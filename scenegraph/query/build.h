@@ -58,6 +58,10 @@ Result<std::vector<const model::Node*>> mesh_nodes_under(const revision::Snapsho
 /// The meshes of these nodes, each once.
 std::vector<const model::Mesh*> meshes_of(std::span<const model::Node* const> nodes);
 
+/// Distinct triangles in finished leaves of those meshes whose trees are begun and not complete.
+/// Walks these trees.
+std::uint64_t triangles_begun(std::span<const model::Mesh* const> meshes);
+
 /// Builds the trees of these nodes' meshes completely. After a cancel, the built part remains.
 /// `progress` must be fresh. Parallel in the caller's arena. Errors: kCancelled,
 /// kResourceExhausted.

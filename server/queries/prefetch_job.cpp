@@ -131,16 +131,21 @@ void PrefetchJob::report(v1::PrefetchResponse& response) {
       std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - begun_).count()));
 }
 
-void PrefetchJob::report_own(v1::PrefetchResponse& response) const {
+void PrefetchJob::report_own(v1::PrefetchResponse& response) {
   response.set_meshes_done(progress_.meshes_done);
   response.set_meshes_total(progress_.meshes_total);
-  response.set_triangles_done(progress_.triangles_done);
+  std::uint64_t triangles = progress_.triangles_done;
   response.set_triangles_total(progress_.triangles_total);
   response.set_rays_done(progress_.rays_done);
   response.set_rays_total(rays_.size());
   response.set_cells_expanded(progress_.cells_expanded);
   response.set_build_us(progress_.build_us);
   if (!known_.load(std::memory_order_acquire)) return;
+  // A mesh may be complete, and another begun, between the two readings.
+  triangles = std::min<std::uint64_t>(triangles + scenegraph::query::triangles_begun(meshes_),
+                                      progress_.triangles_total);
+  triangles_reported_ = std::max(triangles_reported_, triangles);
+  response.set_triangles_done(triangles_reported_);
   std::uint64_t bytes = 0;
   if (roots_.empty()) {
     for (const scenegraph::instances::Tier& tier : snapshot_->shared_trees().tiers)

@@ -56,7 +56,7 @@ class PrefetchJob {
   /// returns, and this may be gone. Errors: as run(), and of ShardedCast and ShardedPrefetch.
   Status ask(std::function<void()> answered, bool& asked);
 
-  /// Writes the progress of run(), or of the peers. Threads: any, until close().
+  /// Writes the progress of run(), or of the peers. Threads: any, one at a time, until close().
   void report(v1::PrefetchResponse& response);
 
   /// Makes run() end soon, and the calls that ask() made. Threads: any, at any time.
@@ -75,7 +75,7 @@ class PrefetchJob {
   Status check_roots(const v1::PrefetchRequest& request);
   Status build();
   Status grow();
-  void report_own(v1::PrefetchResponse& response) const;
+  void report_own(v1::PrefetchResponse& response);
   void open_sharded(const v1::PrefetchRequest& request, const v1::CastRaysRequest& query);
   Status ask_for_trees(std::function<void()> answered, bool& asked);
   Status ask_for_rays(const std::function<void()>& answered, bool& asked);
@@ -95,6 +95,7 @@ class PrefetchJob {
   scenes::RevisionToken revision_;
   std::vector<const scenegraph::model::Mesh*> meshes_;  // whose trees are built
   scenegraph::query::BuildProgress progress_;
+  std::uint64_t triangles_reported_ = 0;
   std::atomic<bool> known_{false};  // meshes_ is set
   std::atomic<bool> cancelled_{false};
   bool peers_asked_ = false;             // they have answers to take

@@ -76,6 +76,31 @@ TEST(Build, BuildsOnlyTheSelection) {
   EXPECT_EQ(built.instances_entered, 2u);
 }
 
+TEST(Build, CountsTheTrianglesOfMeshesThatAreBegun) {
+  const tests::TestMesh soup = tests::random_soup(20'000, 0.02, 5);
+  Scene scene;
+  ASSERT_TRUE(
+      scene.apply({put_node(-1, 0, mesh_of(soup)), put_node(-2, 0, mesh_of(tests::cube()))}));
+  const auto snapshot = scene.snapshot();
+  const auto nodes = mesh_nodes_under(*snapshot, {}, {});
+  const auto meshes = meshes_of(*nodes);
+  EXPECT_EQ(triangles_begun(meshes), 0u) << "nothing is";
+  std::uint64_t before = 0;
+  for (const double x : {0.1, 0.4, 0.9}) {
+    const accel::geometry::Ray ray{{x, 0.3, -5}, {0, 0, 1}};
+    RayTally tally;
+    ASSERT_TRUE(count_hits(*snapshot, std::span(&ray, 1), std::span(&tally, 1), TraceOptions{}));
+    const std::uint64_t begun = triangles_begun(meshes);
+    EXPECT_GT(begun, before);
+    EXPECT_LT(begun, 20'000u);
+    before = begun;
+  }
+  BuildProgress progress;
+  ASSERT_TRUE(build_mesh_trees(*nodes, progress, nullptr));
+  EXPECT_EQ(triangles_begun(meshes), 0u) << "all are complete";
+  EXPECT_EQ(progress.triangles_done, 20'012u);
+}
+
 TEST(Build, CountsMeshesAndCells) {
   const tests::TestMesh sheet = tests::planar_sheet(100);
   Scene scene;
