@@ -193,8 +193,9 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
     const auto mesh = blobs_.complete(upload_);
     if (!mesh) return mesh.error();
     report(**mesh, upload_->digest().size);
-    spdlog::info("event=mesh_uploaded digest={} triangles={} nonfinite={}{}", digest_text_,
-                 (*mesh)->triangles(), (*mesh)->nonfinite(), exec::request_id_of(context_));
+    // The scene that uses it is told of: an import has one line, however many meshes it has.
+    spdlog::debug("event=mesh_uploaded digest={} triangles={} nonfinite={}{}", digest_text_,
+                  (*mesh)->triangles(), (*mesh)->nonfinite(), exec::request_id_of(context_));
     return {};
   }
 

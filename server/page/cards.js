@@ -30,7 +30,12 @@ export class Cards {
       card.facts.textContent = scene.unread ? 'on disk' :
         `${number(scene.triangles_instanced ?? 0)} triangles, revision ${number(scene.head?.revision ?? 0)}`;
       card.scene = scene.unread ? undefined : scene;
-      if (scene.unread || left-- <= 0 || document.hidden) continue;
+      if (scene.unread) card.say('not read yet');
+      if (scene.unread || document.hidden) continue;
+      if (left-- <= 0) {
+        card.say(`pictures of ${kPictures} scenes are shown`);
+        continue;
+      }
       await this.#draw(scene, card);
     }
     return scenes.length;
@@ -53,6 +58,7 @@ export class Cards {
     const frame = await castFrame(this.connection, scene.name, camera,
       {width: kWidth, height: kHeight, mode: 'lit', build: 'BUILD_MODE_BUILT_ONLY'}).done;
     card.canvas.getContext('2d').putImageData(shade(frame, 'lit', camera), 0, 0);
+    card.say(stats.triangles_built ? '' : 'nothing built yet');
     card.known = known;
   }
 
@@ -70,11 +76,21 @@ export class Cards {
     canvas.height = kHeight;
     canvas.setAttribute('aria-hidden', 'true');
     title.textContent = name.split('/').pop();
-    button.append(canvas, title, facts, built);
+    const screen = document.createElement('span'), note = document.createElement('span');
+    screen.className = 'screen-of-card';
+    note.className = 'note';
+    note.textContent = 'no picture yet';
+    screen.append(canvas, note);
+    button.append(screen, title, facts, built);
     button.addEventListener('click', () => this.open(name));
     item.append(button);
     this.list.append(item);
-    const card = {item, button, canvas, facts, built};
+    // What stands in the place of a picture; empty: there is one.
+    const say = text => {
+      note.textContent = text;
+      note.hidden = !text;
+    };
+    const card = {item, button, canvas, facts, built, say};
     this.cards.set(name, card);
     return card;
   }

@@ -135,7 +135,8 @@ class PutSceneCall final : public grpc::ServerReadReactor<v1::PutSceneRequest> {
     if (!summary) return summary.error();
     const auto scene = services_.scenes.put(scene_.draft, scene_.replace);
     if (!scene) return scene.error();
-    spdlog::info("event=scene_put scene={} nodes={} replace={}{}", (*scene)->info().name, nodes,
+    spdlog::info("event=scene_put scene={} nodes={} meshes={} triangles={} replace={}{}",
+                 (*scene)->info().name, nodes, summary->meshes, summary->triangles_unique,
                  scene_.replace, exec::request_id_of(context_));
     // It is made: if it cannot be read back now, its first reader is told why.
     static_cast<void>((*scene)->load(services_.compute));

@@ -109,6 +109,7 @@ class Page(PageCase):
     def test_1_a_card_for_each_scene_that_builds_nothing(self):
         self.until(lambda: "0 % built" in self.text("#cards"))
         self.assertIn("engine", self.text("#cards button .name"))
+        self.assertEqual(self.text("#cards .note"), "nothing built yet")
         self.assertEqual(json.loads(self.server.run("stats", "engine", "--json"))["triangles_built"], 0)
 
     def test_2_cells_disappear_as_rays_build_them(self):
