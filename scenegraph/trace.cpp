@@ -285,7 +285,7 @@ Result<TraceStats> list_hits(const revision::Snapshot& snapshot, std::span<const
                              const TraceOptions& options) {
   if (const Status good = check_sizes(rays.size(), tallies.size()); !good) return good.error();
   const std::size_t rays_per_block = std::clamp<std::size_t>(
-      kHitsPerListBlock / std::max(options.max_hits, 1u), 1, kRaysPerListBlock);
+      options.hits_per_block / std::max(options.max_hits, 1u), 1, kRaysPerListBlock);
   std::vector<std::vector<Hit>> of_blocks((rays.size() + rays_per_block - 1) / rays_per_block);
   // Blocks are taken in order, so that the answered rays are always the first ones.
   std::atomic<std::size_t> next{0}, listed{0};

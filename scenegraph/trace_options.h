@@ -50,6 +50,8 @@ struct TraceOptions {
   std::uint32_t max_hits = 256;
   /// For list_hits(): no block begins after this many hits are listed.
   std::size_t hits_at_once = std::numeric_limits<std::size_t>::max();
+  /// For list_hits(): most hits of a block, unless a single ray has more.
+  std::size_t hits_per_block = 16384;
   /// Checked before every ray, and within long searches and builds. Once true, no further ray is
   /// cast, and the batch ends with kCancelled.
   const std::atomic<bool>* cancelled = nullptr;
@@ -68,8 +70,6 @@ inline bool is_cancelled(const std::atomic<bool>* cancelled) {
 inline constexpr std::size_t kRaysPerBlock = 512;
 /// Most rays of one block that lists hits.
 inline constexpr std::size_t kRaysPerListBlock = 64;
-/// Most hits of one such block, unless a single ray has more.
-inline constexpr std::size_t kHitsPerListBlock = 16384;
 
 /// Work done for one batch, summed over threads. Deterministic on one thread.
 struct TraceStats {

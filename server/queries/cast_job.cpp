@@ -74,7 +74,7 @@ Status CastJob::accept(const v1::CastRaysRequest& request) {
                       count * kReplyBytesPerRay + derived_bytes(query_, rows) +
                       sharded_bytes(count, lists ? rows : 0);
   if (lists) {
-    bytes += hit_pager_bytes(count, query_.max_hits, services_.compute.threads());
+    bytes += hit_pager_bytes(count, query_.max_hits, services_.compute.threads(), kFirstList);
     auto all_hits = services_.all_hits_admission.admit(caller_, count, bytes);
     if (!all_hits) return all_hits.error();
     all_hits_ticket_ = std::move(*all_hits);
@@ -217,6 +217,9 @@ void CastJob::end(const Status& status, const Done& done) {
   quota_ = {};
   ticket_ = {};
   all_hits_ticket_ = {};
+  more_ticket_ = {};
+  more_all_hits_ticket_ = {};
+  lists_more_ = false;
   alarm_ = {};
   done(status);
 }
@@ -309,6 +312,7 @@ Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
   reply.clear_more();
   progress = Progress::kDone;
   if (query_.kind == scenegraph::QueryKind::kAll) {
+    if (pager_.goes_on() && !lists_more_) list_more();
     Status made = pager_.next(*snapshot_, options(), query_.fields, reply);
     if (!reply.more()) stats_ += pager_.stats();
     return made;
@@ -325,6 +329,23 @@ Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
   answered_ += count;
   if (answered_ < batch_.size()) progress = Progress::kMore;
   return {};
+}
+
+/// There are many hits: books what it takes to list more of them at a time. Where that is not
+/// granted, lists stay as short as the first.
+void CastJob::list_more() {
+  const auto bytes = [this](const ListSize& size) {
+    return hit_pager_bytes(batch_.size(), query_.max_hits, services_.compute.threads(), size);
+  };
+  const std::size_t more = bytes(kFullList) - bytes(kFirstList);
+  auto of_all_hits = services_.all_hits_admission.admit(caller_, 0, more);
+  if (!of_all_hits) return;
+  auto of_all = services_.admission.admit(caller_, 0, more);
+  if (!of_all) return;
+  more_all_hits_ticket_ = std::move(*of_all_hits);
+  more_ticket_ = std::move(*of_all);
+  pager_.set_list_size(kFullList);
+  lists_more_ = true;
 }
 
 /// Closest or any hits of the next rays, written to `hits`, and the columns that follow from them.

@@ -128,6 +128,7 @@ class CastJob {
   Status build();
   Status run_slice(v1::CastRaysResponse& reply, Progress& progress);
   Status begin();
+  void list_more();
   Status trace_slice(v1::CastRaysResponse& reply, Progress& progress);
   Result<scenegraph::TraceStats> trace_rays(std::size_t count,
                                             const scenegraph::TraceOptions& options,
@@ -166,6 +167,8 @@ class CastJob {
   scenegraph::TraceStats stats_;                            // of the batch
   exec::Quotas::Use quota_;
   exec::Admission::Ticket ticket_, all_hits_ticket_;
+  exec::Admission::Ticket more_ticket_, more_all_hits_ticket_;  // of list_more()
+  bool lists_more_ = false;
   Clock::time_point arrived_, waiting_since_;
   Clock::duration queued_{}, traced_{}, batch_time_{};  // of the batch
   bool begun_ = false;                                  // the batch has had a slice

@@ -5,14 +5,17 @@
 
 namespace sightline::server::queries {
 
-std::size_t hit_pager_bytes(std::size_t rays, std::size_t max_hits, int threads) {
-  const std::size_t overshoot = static_cast<std::size_t>(threads) * scenegraph::kHitsPerListBlock;
-  const std::size_t hits = std::min(rays * max_hits, kHitsListed + overshoot);
+std::size_t hit_pager_bytes(std::size_t rays, std::size_t max_hits, int threads,
+                            const ListSize& size) {
+  const std::size_t overshoot =
+      static_cast<std::size_t>(threads) * std::max(size.of_block, max_hits);
+  const std::size_t hits = std::min(rays * max_hits, size.hits + overshoot);
   return rays * sizeof(scenegraph::RayTally) + 2 * hits * sizeof(accel::geometry::Hit);
 }
 
 void HitPager::begin(std::span<const accel::geometry::Ray> rays) {
   rays_ = rays;
+  size_ = kFirstList;
   sent_ = listed_ = sent_hits_ = 0;
   tallies_.resize(rays.size());
   hits_.clear();
@@ -21,7 +24,8 @@ void HitPager::begin(std::span<const accel::geometry::Ray> rays) {
 
 Status HitPager::list(const scenegraph::revision::Snapshot& snapshot,
                       scenegraph::TraceOptions options) {
-  options.hits_at_once = kHitsListed;
+  options.hits_at_once = size_.hits;
+  options.hits_per_block = size_.of_block;
   const auto traced = scenegraph::list_hits(snapshot, rays_.subspan(listed_),
                                             std::span(tallies_).subspan(listed_), hits_, options);
   if (!traced) return traced.error();

@@ -15,18 +15,30 @@
 
 namespace sightline::server::queries {
 
-/// Tracing pauses after about this many hits and continues when their parts are made.
-inline constexpr std::size_t kHitsListed = 65536;
+/// Tracing pauses after about `hits` hits, and continues when their parts are made. A block of
+/// rays, which one thread lists, has at most `of_block`, unless a single ray has more.
+struct ListSize {
+  std::size_t hits = 0;
+  std::size_t of_block = 0;
+};
+inline constexpr ListSize kFullList{65536, 16384};
+/// While it is not known whether a batch has many hits.
+inline constexpr ListSize kFirstList{4096, 1024};
 
 /// Most bytes that a batch of `rays` rays holds, with `threads` threads listing hits: the hits
 /// before and after they are sorted by ray.
-std::size_t hit_pager_bytes(std::size_t rays, std::size_t max_hits, int threads);
+std::size_t hit_pager_bytes(std::size_t rays, std::size_t max_hits, int threads,
+                            const ListSize& size);
 
 /// Answers a batch that asks for all hits in parts, each of whole rays.
 class HitPager {
  public:
-  /// Starts a batch. `rays` must not change until all parts are made.
+  /// Starts a batch, with kFirstList. `rays` must not change until all parts are made.
   void begin(std::span<const accel::geometry::Ray> rays);
+  /// Whether the next part needs more hits to be listed than were so far.
+  bool goes_on() const { return sent_ > 0 && sent_ == listed_; }
+  /// From the next list on.
+  void set_list_size(const ListSize& size) { size_ = size; }
 
   /// Makes the next part: columns, first_ray and more. A batch without rays has one empty part.
   /// Errors: kCancelled, and as of DerivedColumns::write_lists().
@@ -44,6 +56,7 @@ class HitPager {
   std::size_t sent_ = 0;    // rays in parts that are made
   std::size_t listed_ = 0;  // rays that are traced
   std::size_t sent_hits_ = 0;
+  ListSize size_ = kFirstList;
   std::vector<scenegraph::RayTally> tallies_;  // of all rays
   std::vector<accel::geometry::Hit> hits_;     // of the last rays traced
   DerivedColumns derived_;

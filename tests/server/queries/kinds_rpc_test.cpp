@@ -139,7 +139,7 @@ TEST_F(KindsRpcTest, AListOfAnyLengthIsSplitIntoRepliesBelowAMebibyte) {
   const KindAnswers answers = ask(cast_request(kScene, rays), &replies);
   EXPECT_EQ(contradiction(answers, server::queries::kDefaultMaxHits), "");
   EXPECT_EQ(answers.listed.size(), 2000u * 200);
-  EXPECT_GT(answers.listed.size(), server::queries::kHitsListed) << "traced in several parts";
+  EXPECT_GT(answers.listed.size(), server::queries::kFullList.hits) << "traced in several parts";
   EXPECT_GE(replies, 20);
 }
 
