@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "client/calls/connection.h"
+#include "client/calls/retries.h"
 #include "client/wire/scene_codec.h"
 
 namespace sightline::client::calls {
@@ -54,12 +55,17 @@ class Packer {
 constexpr int kApplyAttempts = 4;
 
 Result<Applied> send_once(const Connection& connection, const v1::ApplyUpdatesRequest& request) {
-  grpc::ClientContext context;
-  set_timeout(context, connection.small_timeout());
-  set_route(context, request.scene());
+  const auto deadline = deadline_after(connection.small_timeout());
+  Retries retries(deadline);
   v1::ApplyUpdatesResponse response;
-  const grpc::Status status = connection.scenes->ApplyUpdates(&context, request, &response);
-  if (!status.ok()) return rpc_error(status);
+  while (true) {
+    grpc::ClientContext context;
+    context.set_deadline(*deadline);
+    set_route(context, request.scene());
+    const grpc::Status status = connection.scenes->ApplyUpdates(&context, request, &response);
+    if (status.ok()) break;
+    if (!retries.wait(status, {})) return rpc_error(status);
+  }
   return Applied{response.revision().revision(),
                  {response.nodes().begin(), response.nodes().end()},
                  response.revision().token(),

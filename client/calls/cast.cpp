@@ -8,6 +8,7 @@
 #include "client/calls/columns.h"
 #include "client/calls/connection.h"
 #include "client/calls/message_source.h"
+#include "client/calls/retries.h"
 #include "client/wire/cast_codec.h"
 
 namespace sightline::client::calls {
@@ -24,13 +25,18 @@ Result<CastReport> cast(const Connection& connection, const std::string& scene,
   copy_rays(rays, 0,
             wire::resize_columns<Scalar>(rays.size(), shape_of(rays), *request.mutable_rays()));
 
-  grpc::ClientContext context;
-  set_timeout(context, connection.timeout);
-  set_route(context, scene, options.route_key);
-  const std::stop_callback cancel(options.stop, [&] { context.TryCancel(); });
+  const auto deadline = deadline_after(connection.timeout);
+  Retries retries(deadline);
   v1::CastRaysResponse response;
-  const grpc::Status status = connection.queries->CastRays(&context, request, &response);
-  if (!status.ok()) return rpc_error(status);
+  while (true) {
+    grpc::ClientContext context;
+    if (deadline) context.set_deadline(*deadline);
+    set_route(context, scene, options.route_key);
+    const std::stop_callback cancel(options.stop, [&] { context.TryCancel(); });
+    const grpc::Status status = connection.queries->CastRays(&context, request, &response);
+    if (status.ok()) break;
+    if (!retries.wait(status, options.stop)) return rpc_error(status);
+  }
   const auto answers = wire::view_hits(response, fields, rays.size());
   if (!answers) return answers.error();
   std::fill(hits.unanswered.begin(), hits.unanswered.end(), std::uint8_t{0});

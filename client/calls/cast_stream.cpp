@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "client/calls/connection.h"
+#include "client/calls/retries.h"
 #include "client/wire/cast_codec.h"
 
 namespace sightline::client::calls {
@@ -143,9 +144,9 @@ class Cast {
         fields_(fields),
         options_(std::move(options)),
         messages_(source),
-        answers_(messages_, fields, options_.kind, sink) {
-    if (connection.timeout) deadline_ = std::chrono::system_clock::now() + *connection.timeout;
-  }
+        answers_(messages_, fields, options_.kind, sink),
+        deadline_(deadline_after(connection.timeout)),
+        retries_(deadline_) {}
 
   Result<CastReport> run() {
     Backoff backoff(kCastAttempts);
@@ -154,7 +155,12 @@ class Cast {
       const Status ended = attempt();
       if (failed_) return *failed_;
       if (ended) return answers_.report();
-      if (answers_.message() > before) backoff.reset();
+      if (answers_.message() > before) {
+        backoff.reset();
+        retries_.progressed();
+      }
+      if (retries_.wait(status_, options_.stop)) continue;
+      if (options_.stop.stop_requested()) return Error{Code::kCancelled, "cancelled", {}};
       if (!may_resume(ended.error().code) || !backoff.again()) return ended.error();
       if (!sleep_unless_stopped(backoff.pause(), options_.stop))
         return Error{Code::kCancelled, "cancelled", {}};
@@ -187,9 +193,9 @@ class Cast {
     window.closed = true;
     window.free.release();
     writing.join();
-    const grpc::Status status = stream->Finish();
+    status_ = stream->Finish();
     if (window.source_error) failed_ = std::move(window.source_error);
-    return status.ok() || failed_ ? Status() : Status(rpc_error(status, options_.stop));
+    return status_.ok() || failed_ ? Status() : Status(rpc_error(status_, options_.stop));
   }
 
   struct Window {
@@ -248,9 +254,11 @@ class Cast {
   const HitFields fields_;
   CastOptions options_;
   const std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
-  std::optional<std::chrono::system_clock::time_point> deadline_;
   Messages messages_;
   Answers answers_;
+  const Retries::Deadline deadline_;
+  Retries retries_;
+  grpc::Status status_;  // of the last attempt
   std::optional<Error> failed_;
 };
 

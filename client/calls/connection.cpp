@@ -102,8 +102,14 @@ Result<std::shared_ptr<grpc::Channel>> open_channel(const Endpoint& endpoint,
       *target, credentials.channel, arguments, send_token(credentials.token));
 }
 
+std::optional<std::chrono::system_clock::time_point> deadline_after(
+    std::optional<std::chrono::milliseconds> timeout) {
+  if (!timeout) return {};
+  return std::chrono::system_clock::now() + *timeout;
+}
+
 void set_timeout(grpc::ClientContext& context, std::optional<std::chrono::milliseconds> timeout) {
-  if (timeout) context.set_deadline(std::chrono::system_clock::now() + *timeout);
+  if (const auto deadline = deadline_after(timeout)) context.set_deadline(*deadline);
 }
 
 void set_route(grpc::ClientContext& context, const std::string& scene,

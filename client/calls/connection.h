@@ -32,6 +32,9 @@ Result<std::shared_ptr<grpc::Channel>> open_channel(const Endpoint& endpoint,
                                                     const ChannelCredentials& credentials,
                                                     bool own_connection = false);
 
+/// From now on; nothing if there is no timeout.
+std::optional<std::chrono::system_clock::time_point> deadline_after(
+    std::optional<std::chrono::milliseconds> timeout);
 void set_timeout(grpc::ClientContext& context, std::optional<std::chrono::milliseconds> timeout);
 
 /// Says which scene a call is about, in the metadata kSceneHeader, for balancers that keep the

@@ -9,6 +9,7 @@
 #include "client/calls/columns.h"
 #include "client/calls/connection.h"
 #include "client/calls/message_source.h"
+#include "client/calls/retries.h"
 #include "client/wire/cast_codec.h"
 
 namespace sightline::client::calls {
@@ -39,9 +40,10 @@ PrefetchReport sum(const PrefetchReport& before, const v1::PrefetchResponse& res
   return report;
 }
 
+// What is built stays: a call that is refused is repeated as it was.
 Result<PrefetchReport> call(const Connection& connection, const v1::PrefetchRequest& request,
                             const PrefetchReport& before, const std::stop_token& stop,
-                            const PrefetchProgress& progress) {
+                            const PrefetchProgress& progress, Retries& retries) {
   grpc::ClientContext context;
   set_timeout(context, connection.timeout);
   set_route(context, request.scene());
@@ -56,6 +58,8 @@ Result<PrefetchReport> call(const Connection& connection, const v1::PrefetchRequ
     if (progress) progress(report);
   }
   const grpc::Status status = reader->Finish();
+  if (!status.ok() && retries.wait(status, stop))
+    return call(connection, request, before, stop, progress, retries);
   if (!status.ok()) return rpc_error(status, stop);
   if (!done) {
     return Error{Code::kInternal, "the server ended a prefetch without its last report", {}};
@@ -67,7 +71,8 @@ Result<PrefetchReport> call(const Connection& connection, const v1::PrefetchRequ
 
 Result<PrefetchReport> prefetch(const Connection& connection, const std::string& scene,
                                 const PrefetchOptions& options, const PrefetchProgress& progress) {
-  return call(connection, describe(scene, options), {}, options.stop, progress);
+  Retries retries(deadline_after(connection.timeout));
+  return call(connection, describe(scene, options), {}, options.stop, progress, retries);
 }
 
 namespace {
@@ -83,7 +88,8 @@ Result<PrefetchReport> prefetch_messages(const Connection& connection, const std
     if (!count) return count.error();
     // One call is made even without rays, so that an unknown scene is still an error.
     if (*count == 0 && !first) return report;
-    auto grown = call(connection, request, report, options.stop, progress);
+    Retries retries(deadline_after(connection.timeout));
+    auto grown = call(connection, request, report, options.stop, progress, retries);
     if (!grown || *count == 0) return grown;
     report = *std::move(grown);
   }

@@ -6,6 +6,7 @@
 
 #include "client/calls/apply.h"
 #include "client/calls/connection.h"
+#include "client/calls/retries.h"
 #include "client/wire/scene_codec.h"
 
 namespace sightline::client::calls {
@@ -43,16 +44,15 @@ class NodeWriter {
   std::size_t bytes_ = 0;
 };
 
-}  // namespace
-
-Result<SceneInfo> put_scene(const Connection& connection, const std::string& scene,
-                            std::span<const PutNode> nodes, const PutSceneOptions& options) {
+/// A call that is refused has made nothing.
+grpc::Status put_once(const Connection& connection, const std::string& scene,
+                      std::span<const PutNode> nodes, const PutSceneOptions& options,
+                      v1::PutSceneResponse& response) {
   connection.wait_until_connected();
   grpc::ClientContext context;
   set_timeout(context, connection.timeout);
   set_route(context, scene);
   const std::stop_callback cancel(options.stop, [&] { context.TryCancel(); });
-  v1::PutSceneResponse response;
   const auto stream = connection.scenes->PutScene(&context, &response);
   v1::PutSceneRequest first;
   first.mutable_scene()->set_name(scene);
@@ -63,9 +63,20 @@ Result<SceneInfo> put_scene(const Connection& connection, const std::string& sce
   bool open = true;
   for (std::size_t i = 0; i < nodes.size() && open; ++i) open = writer.add(nodes[i]);
   if (open) writer.finish();
-  const grpc::Status status = stream->Finish();
-  if (!status.ok()) return rpc_error(status, options.stop);
-  return wire::decode(response.scene());
+  return stream->Finish();
+}
+
+}  // namespace
+
+Result<SceneInfo> put_scene(const Connection& connection, const std::string& scene,
+                            std::span<const PutNode> nodes, const PutSceneOptions& options) {
+  Retries retries;
+  while (true) {
+    v1::PutSceneResponse response;
+    const grpc::Status status = put_once(connection, scene, nodes, options, response);
+    if (status.ok()) return wire::decode(response.scene());
+    if (!retries.wait(status, options.stop)) return rpc_error(status, options.stop);
+  }
 }
 
 }  // namespace sightline::client::calls

@@ -122,7 +122,7 @@ void UpdateStreamWorker::run() {
       return;
     }
     ++state_.reconnects;
-    changed_.wait_for(lock, backoff_.pause(), [this] { return abandoned_; });
+    changed_.wait_for(lock, pause_before_next_, [this] { return abandoned_; });
   }
 }
 
@@ -139,8 +139,18 @@ bool UpdateStreamWorker::should_retry(const Status& ended) {
                           ? Error{Code::kUnavailable, "the server ended the stream of updates", {}}
                           : ended.error();
   const bool is_transient = is_broken_connection(error.code) || error.code == Code::kCancelled;
-  if (std::exchange(progressed_, false)) backoff_.reset();
-  if (opened_ && !failed_ && is_transient && backoff_.again()) return true;
+  if (std::exchange(progressed_, false)) {
+    backoff_.reset();
+    retries_.progressed();
+  }
+  if (const auto pause = retries_.pause(last_call_); pause && !failed_) {
+    pause_before_next_ = *pause;
+    return true;
+  }
+  if (opened_ && !failed_ && is_transient && backoff_.again()) {
+    pause_before_next_ = backoff_.pause();
+    return true;
+  }
   if (!failed_) failed_ = error;
   return false;
 }
@@ -149,13 +159,13 @@ Status UpdateStreamWorker::run_call(grpc::ClientContext& context) {
   const std::unique_ptr<Call> call = stub_->StreamUpdates(&context);
   v1::StreamUpdatesResponse response;
   if (!call->Write(opening_) || !call->Read(&response)) {
-    const grpc::Status status = call->Finish();
-    return status.ok() ? Status() : Status(rpc_error(status));
+    last_call_ = call->Finish();
+    return last_call_.ok() ? Status() : Status(rpc_error(last_call_));
   }
   if (Status resumed = resume(response); !resumed) {
     fail(resumed.error());
     context.TryCancel();
-    static_cast<void>(call->Finish());
+    last_call_ = call->Finish();
     return resumed;
   }
   std::thread writing([&] { write_batches(*call); });
@@ -166,8 +176,8 @@ Status UpdateStreamWorker::run_call(grpc::ClientContext& context) {
   }
   changed_.notify_all();
   writing.join();
-  const grpc::Status status = call->Finish();
-  return status.ok() ? Status() : Status(rpc_error(status));
+  last_call_ = call->Finish();
+  return last_call_.ok() ? Status() : Status(rpc_error(last_call_));
 }
 
 // The server says which batches it has committed. All later ones are sent again.

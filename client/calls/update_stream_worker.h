@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "client/calls/connection.h"
+#include "client/calls/retries.h"
 #include "client/result.h"
 #include "client/update.h"
 #include "sightline/v1/scene.grpc.pb.h"
@@ -85,7 +86,10 @@ class UpdateStreamWorker {
   UpdateStreamState state_;
 
   Backoff backoff_;
-  std::thread thread_;  // must be the last member: it uses all others
+  Retries retries_;
+  grpc::Status last_call_;                          // how it ended
+  std::chrono::milliseconds pause_before_next_{0};  // set by should_retry()
+  std::thread thread_;                              // must be the last member: it uses all others
 };
 
 }  // namespace sightline::client::calls

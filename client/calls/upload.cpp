@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "client/calls/connection.h"
+#include "client/calls/retries.h"
 
 namespace sightline::client::calls {
 namespace {
@@ -29,9 +30,9 @@ Result<v1::GetUploadStatusResponse> upload_status(const Connection& connection,
 }
 
 // Sends all bytes from `offset` on, in one call.
-Status send_from(const Connection& connection, const MeshBlob& mesh, const std::string& digest,
-                 std::uint64_t offset, const UploadProgress& progress,
-                 const std::stop_token& stop) {
+grpc::Status send_from(const Connection& connection, const MeshBlob& mesh,
+                       const std::string& digest, std::uint64_t offset,
+                       const UploadProgress& progress, const std::stop_token& stop) {
   grpc::ClientContext context;
   set_timeout(context, connection.timeout);
   const std::stop_callback cancel(stop, [&] { context.TryCancel(); });
@@ -52,8 +53,7 @@ Status send_from(const Connection& connection, const MeshBlob& mesh, const std::
     if (open && progress) progress(offset);
   }
   if (open) writer->WritesDone();
-  const grpc::Status status = writer->Finish();
-  return status.ok() ? Status() : Status(rpc_error(status, stop));
+  return writer->Finish();
 }
 
 bool should_retry(const Error& error) {
@@ -62,15 +62,21 @@ bool should_retry(const Error& error) {
 }
 
 // Continues an earlier upload where it stopped. A mesh of one chunk is sent at once, because asking
-// first would cost as much.
+// first would cost as much. `retries` is asked about a refusal.
 Status upload_once(const Connection& connection, const MeshBlob& mesh, const std::string& digest,
-                   const UploadProgress& progress, const std::stop_token& stop) {
-  if (mesh.size() <= kChunkBytes) return send_from(connection, mesh, digest, 0, progress, stop);
-  const auto status = upload_status(connection, digest);
-  if (!status) return status.error();
-  if (status->complete()) return {};
-  return send_from(connection, mesh, digest, std::min(status->committed_size(), mesh.size()),
-                   progress, stop);
+                   const UploadProgress& progress, const std::stop_token& stop, Retries& retries) {
+  while (true) {
+    std::uint64_t begin = 0;
+    if (mesh.size() > kChunkBytes) {
+      const auto status = upload_status(connection, digest);
+      if (!status) return status.error();
+      if (status->complete()) return {};
+      begin = std::min(status->committed_size(), mesh.size());
+    }
+    const grpc::Status sent = send_from(connection, mesh, digest, begin, progress, stop);
+    if (sent.ok()) return {};
+    if (!retries.wait(sent, stop)) return rpc_error(sent, stop);
+  }
 }
 
 }  // namespace
@@ -78,8 +84,9 @@ Status upload_once(const Connection& connection, const MeshBlob& mesh, const std
 Status upload_mesh(const Connection& connection, const MeshBlob& mesh, const std::string& digest,
                    const UploadProgress& progress, const std::stop_token& stop) {
   auto pause = kFirstPause;
+  Retries retries;
   for (int attempt = 1;; ++attempt, pause *= 2) {
-    Status uploaded = upload_once(connection, mesh, digest, progress, stop);
+    Status uploaded = upload_once(connection, mesh, digest, progress, stop, retries);
     if (uploaded || attempt == kUploadAttempts || !should_retry(uploaded.error())) return uploaded;
     std::this_thread::sleep_for(pause);
   }
