@@ -13,13 +13,13 @@ written for trimesh and Open3D.
 
 from . import errors, updates
 from ._proto import version as __version__
+from ._warnings import PrecisionWarning
 from .batch import Applied, Batch
 from .client import Client, connect
 from .errors import (Aborted, AlreadyExists, Cancelled, DataLoss, DeadlineExceeded, FailedPrecondition, Internal,
                      InvalidArgument, NotFound, OutOfRange, PermissionDenied, ResourceExhausted, SightlineError,
                      Unauthenticated, Unavailable, Unimplemented, Unknown)
 from .hits import AllHits, Hits
-from .meshes import PrecisionWarning
 from .nodes import Node
 from .picture import Picture
 from .rays import Rays, as_rays

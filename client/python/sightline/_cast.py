@@ -8,6 +8,7 @@ from typing import Any, Callable, Iterable, Iterator, List, NamedTuple, Optional
 from . import _cast_codec as codec
 from . import _proto, errors
 from ._connection import Connection
+from ._retries import Retries, sleep
 from ._query import Query, milliseconds
 from ._window import Window
 from .rays import Rays
@@ -69,12 +70,13 @@ class CastStream:
 
     def answers(self) -> "Iterator[Tuple[Any, List[codec.Answer]]]":
         """Each item with its answers: one, or several for kind "all". Leaving it cancels the call."""
-        failures = 0
+        failures, retries = 0, Retries(self._deadline)
         try:
             while not self._window.is_done():
                 try:
                     for found in self._attempt():
                         failures = 0
+                        retries.progressed()
                         yield found
                     if self._window.error is not None:
                         raise self._window.error
@@ -85,7 +87,10 @@ class CastStream:
                     pause = _FIRST_PAUSE * 2 ** failures
                     if failures == _ATTEMPTS or (self._deadline and time.monotonic() + pause > self._deadline):
                         raise
-                    time.sleep(pause)
+                    sleep(pause)
+                except errors.ResourceExhausted as error:
+                    if not retries.wait(error):
+                        raise
             if self._window.error is not None:
                 raise self._window.error
         finally:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Tuple, Union
 
 import numpy as np
 
 from . import _cast_codec as codec
+from ._all_hits import complete
 from ._cast import RAYS_PER_MESSAGE, CastStream, Piece, cast_once, generated, pieces
 from ._connection import Connection
 from ._query import OF_HITS, Query
@@ -82,35 +84,66 @@ def _collector(query: Query, count: int) -> "Union[_PerRay, _PerHit]":
     return _PerHit(query, count) if query.kind == "all" else _PerRay(query, count)
 
 
-def cast_rays(connection: Connection, limit: int, query: Query, rays: Rays, timeout: Optional[float],
-              names: NameLookup, progress: Progress) -> "Union[Hits, AllHits]":
-    """All rays of an array. `limit`: how many the server takes in a request."""
-    collector = _collector(query, rays.count)
-    if rays.count <= limit and query.kind != "all":
-        collector.add(rays.count, [cast_once(connection, query, rays, timeout)])
-        progress(rays.count)
-    else:
-        source = pieces([rays], min(limit, RAYS_PER_MESSAGE))
-        for piece, answers in CastStream(connection, query, source, timeout).answers():
+class Caster:
+    """One cast. `limit`: how many rays the server takes in a request. `check` is told of rays that were cast,
+    and of the token of the revision."""
+
+    def __init__(self, connection: Connection, limit: int, query: Query, timeout: Optional[float], names: NameLookup,
+                 check: "Callable[[Rays, str], None]"):
+        self._connection, self._limit, self._query, self._names = connection, limit, query, names
+        self._check = check
+        self._seconds = connection.timeout if timeout is None else timeout
+        self._deadline: Optional[float] = None    # once the cast has begun, as the next
+        self._budget_end: Optional[float] = None
+
+    def cast(self, rays: Rays, progress: Progress) -> "Union[Hits, AllHits]":
+        """All rays of an array."""
+        self._begin()
+        return self._completed(self._answers(self._query, rays, progress), rays)
+
+    def cast_batches(self, batches: "Iterable[Any]", progress: Progress) -> "Iterator[Union[Hits, AllHits]]":
+        """The hits of each batch, in order. A few messages are in memory at a time, and the batches they belong to."""
+        self._begin()
+        source = pieces(map(as_rays, batches), min(self._limit, RAYS_PER_MESSAGE))
+        collector = None
+        for piece, answers in CastStream(self._connection, self._query, source, self._rest()).answers():
+            if collector is None:
+                collector = _collector(self._query, piece.rays.count)
             collector.add(piece.end - piece.begin, answers)
             progress(piece.end - piece.begin)
-    return collector.hits(rays.shape, rays, names)
+            if _is_last(piece):
+                yield self._completed(collector.hits(piece.rays.shape, piece.rays, self._names), piece.rays)
+                collector = None
 
+    def _begin(self) -> None:
+        now, budget = time.monotonic(), self._query.request.time_budget_ms
+        self._deadline = None if self._seconds is None else now + self._seconds
+        self._budget_end = now + budget / 1000 if budget else None
 
-def cast_batches(connection: Connection, limit: int, query: Query, batches: "Iterable[Any]",
-                 timeout: Optional[float], names: NameLookup,
-                 progress: Progress) -> "Iterator[Union[Hits, AllHits]]":
-    """The hits of each batch, in order. A few messages are in memory at a time, and the batches that they belong to."""
-    source = pieces(map(as_rays, batches), min(limit, RAYS_PER_MESSAGE))
-    collector = None
-    for piece, answers in CastStream(connection, query, source, timeout).answers():
-        if collector is None:
-            collector = _collector(query, piece.rays.count)
-        collector.add(piece.end - piece.begin, answers)
-        progress(piece.end - piece.begin)
-        if _is_last(piece):
-            yield collector.hits(piece.rays.shape, piece.rays, names)
-            collector = None
+    def _answers(self, query: Query, rays: Rays, progress: Progress) -> "Union[Hits, AllHits]":
+        collector = _collector(query, rays.count)
+        if rays.count <= self._limit and query.kind != "all":
+            collector.add(rays.count, [cast_once(self._connection, query, rays, self._rest())])
+            progress(rays.count)
+        else:
+            source = pieces([rays], min(self._limit, RAYS_PER_MESSAGE))
+            for piece, answers in CastStream(self._connection, query, source, self._rest()).answers():
+                collector.add(piece.end - piece.begin, answers)
+                progress(piece.end - piece.begin)
+        return collector.hits(rays.shape, rays, self._names)
+
+    def _rest(self) -> Optional[float]:
+        return None if self._deadline is None else max(0.0, self._deadline - time.monotonic())
+
+    def _completed(self, hits: "Union[Hits, AllHits]", rays: Rays) -> "Union[Hits, AllHits]":
+        query = self._query
+        if isinstance(hits, AllHits) and query.needs_more():
+            complete(hits, rays, query.most, lambda again: self._answers(
+                query.again(hits.revision, self._budget_end), again, lambda _: None))
+        for name in query.hidden:
+            del hits._columns[name]
+        self._check(rays, hits.token)
+        return hits
 
 
 def _is_last(piece: Piece) -> bool:

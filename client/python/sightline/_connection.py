@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-import contextvars
 import json
 import os
 import pathlib
+import time
 from typing import Any, Iterator
 
 import grpc
 
 from . import _proto, errors
 from ._endpoint import Endpoint
+from ._retries import Retries
+from ._scope import scope
 from ._waiting import read_ahead, result_of
 
 DEFAULT_ENDPOINT = "127.0.0.1:50151"
@@ -21,32 +23,11 @@ _READ_AHEAD = 2  # answers of a stream
 # Calls that may be repeated: those that read, and ApplyUpdates, which carries a request id.
 _REPEATABLE = ("CastRays", "GetScene", "ListScenes", "BatchGetNodes", "GetSceneStats", "FindMissingBlobs",
                "GetUploadStatus", "GetServerInfo", "ApplyUpdates")
+# Calls that have had no effect where the server refuses them for now, or that may be repeated if they had one. A refusal
+# of others may come after their effect: their answer did not fit among those that are not read yet.
+_REPEATED_WHEN_REFUSED = {*_REPEATABLE, "PutScene"}
 _RETRY = {"maxAttempts": 4, "initialBackoff": "0.1s", "maxBackoff": "2s", "backoffMultiplier": 2,
           "retryableStatusCodes": ["UNAVAILABLE"]}
-
-
-class CallScope:
-    """The calls that one task of sightline.aio has open, so that cancelling the task cancels them."""
-
-    def __init__(self) -> None:
-        self._calls: "list[Any]" = []
-        self.cancelled = False
-
-    def add(self, call: Any) -> None:
-        self._calls.append(call)
-        if self.cancelled:
-            call.cancel()
-
-    def cancel(self) -> None:
-        self.cancelled = True
-        for call in list(self._calls):
-            call.cancel()
-
-    def remove(self, call: Any) -> None:
-        self._calls.remove(call)
-
-
-scope: "contextvars.ContextVar[CallScope | None]" = contextvars.ContextVar("sightline_calls", default=None)
 
 
 def service_config(endpoint: Endpoint) -> str:
@@ -110,10 +91,22 @@ class Connection:
              scene: str = "") -> Any:
         """A call with one answer; `request` is a message or, for a stream, an iterable of them. `timeout` in seconds;
         None: the connection's. A call that is not light has no limit unless one was set. `scene`: what the call is
-        about, if a message does not say it."""
-        method = self._callables[name]
-        call = method.future(request, timeout=self._seconds(timeout, light),
-                             metadata=self._metadata + _route(request, scene))
+        about, if a message does not say it. A call that the server refuses for now is repeated when the server says,
+        where that is safe."""
+        seconds = self._seconds(timeout, light)
+        deadline = None if seconds is None else time.monotonic() + seconds
+        retries = Retries(deadline)
+        while True:
+            rest = None if deadline is None else max(0.0, deadline - time.monotonic())
+            try:
+                return self._attempt(name, request, rest, scene)
+            except errors.ResourceExhausted as error:
+                if name not in _REPEATED_WHEN_REFUSED or not retries.wait(error):
+                    raise
+
+    def _attempt(self, name: str, request: Any, seconds: "float | None", scene: str) -> Any:
+        sent = iter(request) if isinstance(request, list) else request
+        call = self._callables[name].future(sent, timeout=seconds, metadata=self._metadata + _route(request, scene))
         current = scope.get()
         if current is not None:
             current.add(call)

@@ -10,8 +10,7 @@ from typing import Any, Dict, Optional
 
 from . import errors
 from .client import Client, connect
-from .meshes import near_origin
-from .nodes import Node
+from .nodes import Node, translation
 from .scene import Scene
 from .server import serve
 
@@ -37,8 +36,9 @@ class OwnScene:
         self._end = weakref.finalize(self, _delete, self.scene, os.getpid())
 
     def add(self, vertices: Any, faces: Any) -> Node:
-        """A mesh, kept near its own origin if it lies far from the scene's."""
-        return self.scene.add((vertices, faces), origin=near_origin(vertices))
+        """A mesh, kept on the lattice of this scene. The node is the one that hits name."""
+        digest, placement = self.scene._upload((vertices, faces))
+        return self.scene.put(digest, transform=None if placement is None else translation(placement.origin))
 
     def close(self) -> None:
         self._end()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any, Iterable, NamedTuple, Optional, Tuple
 
 import numpy as np
@@ -35,6 +36,7 @@ COLUMNS = {
     "name": _column("NAME", "<u4"),  # a row of the answer's names
 }
 NAME_OF = {column.number: name for name, column in COLUMNS.items()}
+MOST_LISTED = 16384  # hits of a ray, in an answer
 GEOMETRY = ("t", "node", "primitive", "uv", "normal")
 OF_HITS = (*GEOMETRY, "position", "name")  # for kind "all": a row for each hit
 
@@ -53,6 +55,22 @@ class Query(NamedTuple):
     kind: str
     columns: Tuple[str, ...]  # that the answer has
     request: Any              # a CastRaysRequest
+    most: Optional[int] = None  # of kind "all", hits of a ray; None: any number
+    hidden: Tuple[str, ...] = ()  # columns that were not asked for
+
+    def needs_more(self) -> bool:
+        """Whether rays that have more hits than one answer lists are cast again."""
+        return self.kind == "all" and (self.most is None or self.most > MOST_LISTED)
+
+    def again(self, revision: int, end_of_budget: Optional[float]) -> "Query":
+        """For the rest of the hits: at this revision, as many as an answer lists, within what is left of the budget."""
+        request = _proto.CastRaysRequest()
+        request.CopyFrom(self.request)
+        request.max_hits = MOST_LISTED
+        set_consistency(request, None, revision)
+        if end_of_budget is not None:
+            request.time_budget_ms = milliseconds(end_of_budget - time.monotonic())
+        return Query(self.kind, self.columns, request, MOST_LISTED)
 
 
 def describe(scene: str, kind: str, fields: "Optional[Iterable[str]]", build: "Optional[str]", cull: "Optional[str]",
@@ -75,9 +93,11 @@ def describe(scene: str, kind: str, fields: "Optional[Iterable[str]]", build: "O
     request = _proto.CastRaysRequest(
         scene=scene, kind=_proto.enum_value(f"QUERY_KIND_{kind.upper()}"),
         build=_proto.enum_value(f"BUILD_MODE_{_BUILD[build]}"),
-        culling=_proto.enum_value(f"CULLING_{_CULLING[cull]}"), root=under, exclude=list(exclude), max_hits=max_hits,
+        culling=_proto.enum_value(f"CULLING_{_CULLING[cull]}"), root=under, exclude=list(exclude), max_hits=min(max_hits, MOST_LISTED),
         allow_partial=allow_partial)
-    columns = tuple(dict.fromkeys((*_ALWAYS[kind], *named)))
+    most = max_hits or None
+    hidden = () if "t" in named or kind != "all" or (most or MOST_LISTED + 1) <= MOST_LISTED else ("t",)
+    columns = tuple(dict.fromkeys((*_ALWAYS[kind], *named, *hidden)))
     if kind == "closest" and "t" not in columns:
         columns = (*columns, *(() if "hit" in columns else ("hit",)))  # it tells hits, misses and invalid rays apart
     request.fields.extend(COLUMNS[name].number for name in columns)
@@ -86,7 +106,7 @@ def describe(scene: str, kind: str, fields: "Optional[Iterable[str]]", build: "O
         if not time_budget > 0:
             raise ValueError(f"time_budget is above 0, not {time_budget!r}")
         request.time_budget_ms = milliseconds(time_budget)
-    return Query(kind, columns, request)
+    return Query(kind, columns, request, most, hidden)
 
 
 def milliseconds(seconds: float) -> int:

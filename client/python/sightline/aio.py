@@ -19,7 +19,8 @@ from . import batch as _batch
 from . import client as _client
 from . import scene as _scene
 from . import update_stream as _update_stream
-from ._connection import CallScope, scope
+from ._scope import CallScope, scope
+from ._warnings import give
 
 _THREADS = 64  # as many calls as a server takes of one connection at a time
 _END = object()
@@ -39,6 +40,8 @@ class _Threads:
         except asyncio.CancelledError:
             calls.cancel()
             raise
+        finally:
+            give(calls)
 
     def close(self) -> None:
         self._executor.shutdown(wait=False)

@@ -62,8 +62,7 @@ class Batch:
         """The number of the next new node."""
         return -len(self._nodes) - 1
 
-    def add(self, changes: "List[Any]", node: "Optional[Node]") -> None:
-        """Collects changes; `node` is the new one that they put."""
+    def add(self, changes: "List[Any]", made: "List[Node]") -> None:
+        """Collects changes; `made` are the new nodes that they put."""
         self._changes += changes
-        if node is not None:
-            self._nodes.append(node)
+        self._nodes += made

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Iterator, List, Optional, Union
+from typing import Any, Dict, Iterator, List, Optional, Tuple, Union
+
+import numpy as np
 
 from . import _proto, errors
 from ._connection import DEFAULT_ENDPOINT, Connection
+from ._lattice import Lattice
 from .batch import apply
 from .meshes import as_mesh, upload
-from .nodes import placed
+from .nodes import translation
 from .scene import Scene, SceneInfo
 from .updates import put_node
 
@@ -56,6 +59,8 @@ class Client:
     def __init__(self, connection: Connection):
         self._connection = connection
         self._limits: Optional[Any] = None
+        self._lattices: "Dict[str, Lattice]" = {}  # of scenes by name
+        self._diagonals: "Dict[str, Tuple[str, float]]" = {}  # and the revision's token, of scenes by name
 
     def __enter__(self) -> "Client":
         return self
@@ -94,11 +99,17 @@ class Client:
         """A new, empty scene. up_axis "y" or "z" and meters_per_unit are recorded. Errors: AlreadyExists."""
         scene = _new_scene(name, up_axis, meters_per_unit)
         self._connection.call("CreateScene", _proto.CreateSceneRequest(scene=scene), scene=scene.name)
+        self._lattices.pop(scene.name, None)
         return Scene(self, scene.name)
 
     def delete_scene(self, name: str) -> None:
         """Errors: NotFound."""
         self._connection.call("DeleteScene", _proto.DeleteSceneRequest(name=resource_name(name)))
+        self._lattices.pop(resource_name(name), None)
+
+    def _lattice(self, name: str) -> Lattice:
+        """That of a scene by its full name, for what this client adds to it."""
+        return self._lattices.setdefault(name, Lattice())
 
     def scenes(self, project: str = "default") -> List[SceneInfo]:
         """What there is in a project, by name."""
@@ -119,19 +130,25 @@ class Client:
     def import_arrays(self, name: str, vertices: Any, faces: Any, *, origin: Any = (0.0, 0.0, 0.0),
                       replace: bool = False, up_axis: Optional[str] = None, meters_per_unit: float = 0,
                       mobility: Optional[str] = None) -> Scene:
-        """A scene of one mesh. vertices: real (v, 3), kept as float32 relative to `origin` (3); faces: integers (f, 3).
+        """A scene of one mesh. vertices: real (v, 3), kept as float32, about a point near them if `origin` (3) is one, as
+        Scene.add does; faces: integers (f, 3).
 
         Either the whole scene is made or none. `replace`: in the place of one of this name, in one step where the server
         has PutScene; else the old scene is deleted before. Errors: ValueError, TypeError (not a mesh), AlreadyExists,
         ResourceExhausted (too large).
         """
-        mesh = as_mesh((vertices, faces), origin)
         made = _new_scene(name, up_axis, meters_per_unit)
+        lattice = Lattice()
+        mesh = as_mesh((vertices, faces), lattice if np.any(origin) else None)
         if not replace and self._exists(made.name):
             raise errors.AlreadyExists(f"scene {made.name} exists", "SCENE_EXISTS")
-        node = put_node(-1, 0, "mesh", placed(None, origin), upload(self._connection, mesh), mobility, None)
-        if not self._put_scene(made, [node.put_node], replace):
-            self._import_in_steps(made, node, replace)
+        digest = upload(self._connection, mesh)
+        nodes = [put_node(-1, 0, "mesh", None, digest if mesh.placement is None else "", mobility, None)]
+        if mesh.placement is not None:
+            nodes.append(put_node(-2, -1, "mesh", translation(mesh.placement.origin), digest, mobility, None))
+        if not self._put_scene(made, [node.put_node for node in nodes], replace):
+            self._import_in_steps(made, nodes, replace)
+        self._lattices[made.name] = lattice
         return Scene(self, made.name)
 
     def _put_scene(self, scene: Any, nodes: "List[Any]", replace: bool) -> bool:
@@ -140,17 +157,17 @@ class Client:
             return False
         request = _proto.PutSceneRequest(scene=scene, replace=replace, nodes=nodes, finish=True)
         try:
-            self._connection.call("PutScene", iter([request]), scene=scene.name)
+            self._connection.call("PutScene", [request], scene=scene.name)
         except errors.Unimplemented:
             return False
         return True
 
-    def _import_in_steps(self, scene: Any, node: Any, replace: bool) -> None:
+    def _import_in_steps(self, scene: Any, nodes: "List[Any]", replace: bool) -> None:
         if replace and self._exists(scene.name):
             self.delete_scene(scene.name)
         self._connection.call("CreateScene", _proto.CreateSceneRequest(scene=scene), scene=scene.name)
         try:
-            apply(self._connection, scene.name, [node])
+            apply(self._connection, scene.name, nodes)
         except BaseException:
             self.delete_scene(scene.name)
             raise

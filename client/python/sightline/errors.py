@@ -27,6 +27,9 @@ class SightlineError(Exception):
         self.message = message
         self.reason = reason
         self.metadata = dict(metadata or {})
+        #: Seconds after which the server says that the call may be repeated; None: it does not say so. Where that is safe
+        #: calls were repeated for a minute before this error is raised.
+        self.retry_delay: "float | None" = None
 
     def __str__(self) -> str:
         return f"{self.message} [{self.reason}]" if self.reason else self.message
@@ -143,21 +146,24 @@ def of_code(number: int, message: str, reason: str = "") -> SightlineError:
 def of_call(error: Any) -> SightlineError:
     """The error that a grpc.RpcError stands for."""
     code, message = error.code(), error.details() or ""
-    reason, metadata = _error_info(error)
     if code is grpc.StatusCode.UNAVAILABLE and _tells_of_tls(message):
         return Unauthenticated(message, "TLS_FAILED")
-    return _CLASSES.get(code, Unknown)(message, reason, metadata)
+    info, retry = _detail(error, "google.rpc.ErrorInfo"), _detail(error, "google.rpc.RetryInfo")
+    told = _CLASSES.get(code, Unknown)(message, info.reason if info else "", info.metadata if info else None)
+    if retry is not None:
+        told.retry_delay = retry.retry_delay.seconds + retry.retry_delay.nanos * 1e-9
+    return told
 
 
-def _error_info(error: Any) -> "tuple[str, dict[str, str]]":
+def _detail(error: Any, name: str) -> Any:
+    """The first message of this type in the details of a status, or None."""
     for key, value in error.trailing_metadata() or ():
         if key != _DETAILS:
             continue
         for detail in _proto.message("google.rpc.Status").FromString(value).details:
-            if detail.type_url.endswith("/google.rpc.ErrorInfo"):
-                info = _proto.message("google.rpc.ErrorInfo").FromString(detail.value)
-                return info.reason, dict(info.metadata)
-    return "", {}
+            if detail.type_url.endswith("/" + name):
+                return _proto.message(name).FromString(detail.value)
+    return None
 
 
 def _tells_of_tls(message: str) -> bool:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import contextlib
 from typing import TYPE_CHECKING, Any, Dict, List, Tuple
 
-from .meshes import as_mesh, near_origin, upload
-from .nodes import Node
+from .nodes import Node, translation
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -19,7 +18,7 @@ def is_hierarchy(source: Any) -> bool:
 
 def add_hierarchy(scene: "Scene", source: Any, *, mobility: Any, mask: Any, **root: Any) -> Node:
     """Puts the nodes of `source` under a new node, and returns that. Geometry without faces is left out."""
-    meshes = {name: _upload(scene, mesh) for name, mesh in source.geometry.items() if len(getattr(mesh, "faces", ()))}
+    meshes = {name: scene._upload(mesh) for name, mesh in source.geometry.items() if len(getattr(mesh, "faces", ()))}
     children: "Dict[str, List[Tuple[str, Any]]]" = {}
     for parent, child, edge in source.graph.to_edgelist():
         children.setdefault(parent, []).append((child, edge))
@@ -30,16 +29,11 @@ def add_hierarchy(scene: "Scene", source: Any, *, mobility: Any, mask: Any, **ro
         while waiting:
             name, node = waiting.pop()
             for child, edge in children.get(name, ()):
-                digest, origin = meshes.get(edge.get("geometry"), ("", (0.0, 0.0, 0.0)))
+                digest, placement = meshes.get(edge.get("geometry"), ("", None))
                 # A node's mesh hangs under it, so that its origin does not move the node's children.
                 below = scene.put("", name=child, parent=node, transform=edge.get("matrix"), mobility=mobility, mask=mask)
                 if digest:
-                    scene.put(digest, name=str(edge["geometry"]), parent=below, origin=origin, mobility=mobility,
-                              mask=mask)
+                    scene.put(digest, name=str(edge["geometry"]), parent=below, mobility=mobility, mask=mask,
+                              transform=None if placement is None else translation(placement.origin))
                 waiting.append((child, below))
     return top
-
-
-def _upload(scene: "Scene", mesh: Any) -> "Tuple[str, Any]":
-    origin = near_origin(mesh.vertices)
-    return upload(scene._connection, as_mesh(mesh, origin)), origin

@@ -11,7 +11,9 @@ from .rays import Rays
 
 INVALID_COUNT = 0xFFFFFFFF
 UNANSWERED_COUNT = INVALID_COUNT - 1
-_INVALID, _CUT_OFF, _UNANSWERED = 2, 3, 4  # values of the column `hit`
+INVALID, CUT_OFF, UNANSWERED = 2, 3, 4  # values of the column `hit`
+_COSTS = ("traversal_steps", "triangle_tests", "instances_entered", "cells_expanded", "queue_us", "build_us",
+          "trace_us")
 NameLookup = Callable[[np.ndarray, int], "Dict[int, str]"]
 
 
@@ -126,12 +128,12 @@ class Hits(_Answer):
     @property
     def invalid(self) -> np.ndarray:
         """bool: whether the ray cannot be cast (not finite, or without a direction)."""
-        return self._shaped(self._status() == _INVALID)
+        return self._shaped(self._status() == INVALID)
 
     @property
     def unanswered(self) -> np.ndarray:
         """bool: whether the ray has no answer: `time_budget`, `allow_partial` of Scene.cast."""
-        return self._shaped(self._status() == _UNANSWERED)
+        return self._shaped(self._status() == UNANSWERED)
 
     def _status(self) -> np.ndarray:
         """0 miss, 1 hit, 2 invalid, 4 unanswered, from whichever column tells."""
@@ -139,9 +141,9 @@ class Hits(_Answer):
             return self._columns["hit"]
         if "count" in self._columns:
             count = self._columns["count"]
-            return np.where(count == INVALID_COUNT, _INVALID, np.where(count == UNANSWERED_COUNT, _UNANSWERED, count > 0))
+            return np.where(count == INVALID_COUNT, INVALID, np.where(count == UNANSWERED_COUNT, UNANSWERED, count > 0))
         t = self._column("t")
-        return np.where(np.isnan(t), _INVALID, np.where(t == -np.inf, _UNANSWERED, np.isfinite(t)))
+        return np.where(np.isnan(t), INVALID, np.where(t == -np.inf, UNANSWERED, np.isfinite(t)))
 
     @property
     def count(self) -> np.ndarray:
@@ -197,22 +199,23 @@ class AllHits(_Answer):
     def hit(self) -> np.ndarray:
         """bool, with the leading shape of the rays: whether the ray hits."""
         status = self._column("hit")
-        return ((status == 1) | (status == _CUT_OFF)).reshape(self.shape)
+        return ((status == 1) | (status == CUT_OFF)).reshape(self.shape)
 
     @property
     def invalid(self) -> np.ndarray:
         """bool, with the leading shape of the rays: whether the ray cannot be cast."""
-        return (self._column("hit") == _INVALID).reshape(self.shape)
+        return (self._column("hit") == INVALID).reshape(self.shape)
 
     @property
     def unanswered(self) -> np.ndarray:
         """bool, with the leading shape of the rays: whether the ray has no answer: `time_budget`, `allow_partial` of Scene.cast."""
-        return (self._column("hit") == _UNANSWERED).reshape(self.shape)
+        return (self._column("hit") == UNANSWERED).reshape(self.shape)
 
     @property
     def cut_off(self) -> np.ndarray:
-        """bool, with the leading shape of the rays: whether there are more than max_hits hits, the nearest listed."""
-        return (self._column("hit") == _CUT_OFF).reshape(self.shape)
+        """bool, with the leading shape of the rays: whether there are more hits than are listed, which are the nearest: as
+        many as max_hits, or fewer if time_budget was too short for the others."""
+        return (self._column("hit") == CUT_OFF).reshape(self.shape)
 
     @property
     def position(self) -> np.ndarray:
@@ -221,6 +224,12 @@ class AllHits(_Answer):
             return self._columns["position"]
         rays, ray = self._need_rays(), self.ray
         return self._ends(rays.origins[ray], rays.directions[ray])
+
+    def add_cost(self, stats: "Dict[str, int]") -> None:
+        """Another cast was made for this answer."""
+        for name in _COSTS:
+            if name in stats:
+                self.stats[name] = self.stats.get(name, 0) + stats[name]
 
     def __len__(self) -> int:
         return int(self.offset[-1])

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import hashlib
 import struct
-import time
-import warnings
 from typing import Any, Iterator, Optional, Tuple
 
 import numpy as np
 
 from . import _proto, errors
 from ._connection import Connection
+from ._lattice import Lattice, Placement
+from ._retries import Retries, sleep
+from ._warnings import PrecisionWarning, warn
 
 _CHUNK = 1 << 20  # bytes of an upload in one message
 _ATTEMPTS = 4
@@ -19,15 +20,12 @@ _NO_TRIANGLE = 0xFFFFFFFF  # all three indices of a face that holds no triangle
 _LOSS = 1e-4  # of the mesh's size, that rounding vertices to float32 may cost without a warning
 
 
-class PrecisionWarning(UserWarning):
-    """Vertices are rounded to float32, and lie so far from the origin that this moves them noticeably."""
-
-
 class Mesh:
-    """vertices: float32 (v, 3), in the mesh's frame; faces: uint32 (f, 3)."""
+    """vertices: float32 (v, 3), in the mesh's frame; faces: uint32 (f, 3); placement: how that frame lies in the one that
+    the vertices were given in, None: it is the same."""
 
-    def __init__(self, vertices: np.ndarray, faces: np.ndarray):
-        self.vertices, self.faces = vertices, faces
+    def __init__(self, vertices: np.ndarray, faces: np.ndarray, placement: Optional[Placement] = None):
+        self.vertices, self.faces, self.placement = vertices, faces, placement
 
     def parts(self, copy_number: int = 0) -> "Tuple[memoryview, ...]":
         header = struct.pack("<4sIQQ", b"SLM1", copy_number, len(self.vertices), len(self.faces))
@@ -43,9 +41,9 @@ class Mesh:
         return f"sha256:{sha.hexdigest()}/{size}"
 
 
-def as_mesh(mesh: Any, origin: Any = (0.0, 0.0, 0.0)) -> Mesh:
-    """A mesh of (vertices, faces), or of an object that has both, as trimesh's do. `origin` (3) is subtracted from
-    the vertices in double. Errors: TypeError, ValueError, by what is wrong."""
+def as_mesh(mesh: Any, lattice: Optional[Lattice] = None) -> Mesh:
+    """A mesh of (vertices, faces), or of an object that has both, as trimesh's do. With a lattice it is kept near
+    itself, else about zero. Errors: TypeError, ValueError, by what is wrong."""
     if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
         vertices, faces = mesh.vertices, mesh.faces
     elif isinstance(mesh, tuple) and len(mesh) == 2:
@@ -55,21 +53,26 @@ def as_mesh(mesh: Any, origin: Any = (0.0, 0.0, 0.0)) -> Mesh:
     faces = _faces(faces)
     if not len(faces):
         raise ValueError("a mesh without faces has nothing to hit")
-    vertices = _vertices(vertices, np.asarray(origin, "f8"))
+    vertices = _vertices(vertices)
     real = faces[(faces != _NO_TRIANGLE).any(axis=1)]
     if len(real) and int(real.max()) >= len(vertices):
         raise ValueError(f"a face has vertex {int(real.max())}, but there are {len(vertices)} vertices")
-    return Mesh(vertices, faces)
+    placement = None if lattice is None else lattice.place(vertices)
+    if placement is None or not placement.origin.any():
+        return Mesh(_as_floats(vertices), faces)
+    return Mesh(placement.residuals(vertices), faces, placement)
 
 
-def _vertices(value: Any, origin: np.ndarray) -> np.ndarray:
+def _vertices(value: Any) -> np.ndarray:
     array = np.asarray(value)
     if array.dtype.kind not in "fiu":
         raise TypeError(f"vertices: real numbers are needed, not {array.dtype}")
     if array.ndim != 2 or array.shape[1] != 3:
         raise ValueError(f"vertices have the shape (v, 3), not {array.shape}")
-    if origin.any():
-        array = array.astype("f8") - origin
+    return array
+
+
+def _as_floats(array: np.ndarray) -> np.ndarray:
     with np.errstate(over="ignore", invalid="ignore"):
         rounded = np.ascontiguousarray(array, "<f4")
         if array.dtype.itemsize > 4 and len(array):
@@ -84,8 +87,8 @@ def _warn_of_loss(exact: np.ndarray, rounded: np.ndarray) -> None:
     size = float(np.ptp(exact[finite], axis=0).max())
     loss = float(np.abs(exact[finite] - rounded[finite]).max())
     if loss > _LOSS * size:
-        warnings.warn(f"vertices are kept as float32, which moves them by up to {loss:g}, far from the origin: "
-                      "pass origin=, a point near them", PrecisionWarning, stacklevel=4)
+        warn(f"vertices are kept as float32, which moves them by up to {loss:g}, far from the origin: pass origin=, "
+             "a point near them", PrecisionWarning)
 
 
 def _faces(value: Any) -> np.ndarray:
@@ -101,31 +104,25 @@ def _faces(value: Any) -> np.ndarray:
     return np.ascontiguousarray(array, "<u4")
 
 
-def near_origin(vertices: Any) -> np.ndarray:
-    """An origin (3) to subtract, so that float32 holds the vertices well: zero unless they lie far from it."""
-    points = np.asarray(vertices, "f8").reshape(-1, 3)
-    points = points[np.isfinite(points).all(axis=1)]
-    if not len(points):
-        return np.zeros(3)
-    low, high = points.min(axis=0), points.max(axis=0)
-    centre = (low + high) / 2
-    return centre if np.abs(centre).max() > (high - low).max() else np.zeros(3)
-
-
 def upload(connection: Connection, mesh: Mesh, timeout: Optional[float] = None) -> str:
     """Sends a mesh that the server does not have, resuming where an attempt stopped. Returns its digest."""
     digest = mesh.digest()
     missing = connection.call("FindMissingBlobs", _proto.FindMissingBlobsRequest(digests=[digest]), timeout)
-    for attempt in range(_ATTEMPTS if missing.digests else 0):
+    failures, retries = 0, Retries()
+    while missing.digests:
         try:
             status = connection.call("GetUploadStatus", _proto.GetUploadStatusRequest(digest=digest), timeout)
             if not status.complete:
                 connection.call("UploadBlob", _chunks(mesh, digest, status.committed_size), timeout, light=False)
             break
         except (errors.Unavailable, errors.Aborted, errors.OutOfRange):
-            if attempt == _ATTEMPTS - 1:
+            failures += 1
+            if failures == _ATTEMPTS:
                 raise
-            time.sleep(0.1 * 2 ** attempt)
+            sleep(0.05 * 2 ** failures)
+        except errors.ResourceExhausted as error:
+            if not retries.wait(error):
+                raise
     return digest
 
 

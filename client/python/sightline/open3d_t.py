@@ -14,7 +14,6 @@ from ._pinhole import intrinsic_rays, look_at
 from .client import Client
 
 _INVALID_ID = 0xFFFFFFFF
-_MOST_HITS = 16384  # of a ray, that a server lists
 
 
 class Tensor(np.ndarray):
@@ -72,9 +71,8 @@ class RaycastingScene:
     def list_intersections(self, rays: Any, nthreads: int = 0) -> Dict[str, Any]:
         """Every hit of rays (..., 6), near to far for each: ray_splits (n + 1) and ray_ids (m) uint32; t_hit (m),
         primitive_uvs (m, 2) float32; geometry_ids, primitive_ids (m) uint32. The hits of flattened ray i are the rows
-        ray_splits[i] up to ray_splits[i + 1]. At most 16,384 of a ray."""
-        hits = self._own.scene.cast(_array(rays), kind="all", fields=("t", "node", "primitive", "uv"),
-                                    max_hits=_MOST_HITS)
+        ray_splits[i] up to ray_splits[i + 1]."""
+        hits = self._own.scene.cast(_array(rays), kind="all", fields=("t", "node", "primitive", "uv"))
         wrap = _wrapper(rays)
         return {"ray_splits": wrap(hits.offset.astype(np.uint32)), "ray_ids": wrap(hits.ray.astype(np.uint32)),
                 "t_hit": wrap(hits.t.astype(np.float32)), "geometry_ids": wrap(self._geometry(hits.node)),

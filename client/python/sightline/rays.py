@@ -15,16 +15,24 @@ class Rays:
     """Rays with a leading shape, as columns over all `count` of them.
 
     origins, directions: (n, 3) of `dtype`, float32 or float64, as are tmin and tmax (n) or None; masks: (n) uint32 or
-    None. The arrays may be views of the caller's, of any strides.
+    None. The arrays may be views of the caller's, of any strides. origin_type: what the origins were given as.
     """
 
     def __init__(self, shape: Tuple[int, ...], origins: np.ndarray, directions: np.ndarray,
-                 tmin: Optional[np.ndarray], tmax: Optional[np.ndarray], masks: Optional[np.ndarray]):
+                 tmin: Optional[np.ndarray], tmax: Optional[np.ndarray], masks: Optional[np.ndarray],
+                 origin_type: Optional[np.dtype] = None):
         self.shape = shape
         self.count = math.prod(shape)
         self.dtype = origins.dtype
         self.origins, self.directions = origins, directions
         self.tmin, self.tmax, self.masks = tmin, tmax, masks
+        self.origin_type = origin_type or origins.dtype
+
+    def from_t(self, rows: np.ndarray, tmin: np.ndarray) -> "Rays":
+        """Some of the rays (m), in double, from another tmin (m) on."""
+        bound = None if self.tmax is None else self.tmax[rows].astype("f8")
+        return Rays((len(rows),), self.origins[rows].astype("f8"), self.directions[rows].astype("f8"),
+                    tmin.astype("f8"), bound, None if self.masks is None else self.masks[rows])
 
     def columns(self) -> "List[Optional[np.ndarray]]":
         return [self.origins, self.directions, self.tmin, self.tmax, self.masks]
@@ -72,7 +80,7 @@ def as_rays(rays: Any = None, origins: Any = None, directions: Any = None, tmin:
         return np.broadcast_to(column.astype(kind, copy=False), shape).reshape(-1)
 
     return Rays(shape, vector(vectors[0]), vector(vectors[1]), number(bounds[0], dtype), number(bounds[1], dtype),
-                number(bits, np.dtype("<u4")))
+                number(bits, np.dtype("<u4")), vectors[0].dtype)
 
 
 def _real(value: ArrayLike, name: str) -> np.ndarray:

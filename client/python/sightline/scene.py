@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List, Optional, Union
+import functools
+import math
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List, Optional, Tuple, Union
 
 import numpy as np
 
-from . import _caster, _proto, _query, updates
+from . import _proto, _query, updates
+from ._caster import Caster
 from ._connection import Connection
+from ._lattice import Placement
+from ._precision import warn_of_origins
 from ._progress import reporter
 from .batch import Batch, apply
 from .hierarchy import add_hierarchy, is_hierarchy
 from .hits import AllHits, Hits
 from .meshes import as_mesh, upload
-from .nodes import Node, placed
+from .nodes import Node, patches, translation
 from .picture import Picture, render
 from .rays import as_rays
 from .update_stream import UpdateStream
@@ -105,7 +110,7 @@ class Scene:
         t have positions, and those with node have names, also where these are not named; named, the server sends them.
         build: trees to grow: "lazy" (where rays enter), "full", "none", "built-only"; None: as the server is set.
         cull: "back" or "front", hits that do not count. under: only this node and those under it exist; exclude: these
-        and those under them do not. max_hits: for "all", the nearest of a ray; 0: 256.
+        and those under them do not. max_hits: for "all", the nearest of a ray; 0: all, however many they are.
         at_least: a token, of hits or of an update, that the answer must not be older than; revision: answer at it.
         time_budget: seconds for the cast on the server; rays without an answer by then are marked (`unanswered`), and
         casting them again goes on from there, since what was built stays. allow_partial: if one of several servers that
@@ -114,22 +119,24 @@ class Scene:
 
         Returns Hits, or AllHits for "all", with the leading shape of the rays. Errors: TypeError, ValueError (rays or
         words of another form), OutOfRange (the revision is not kept), DeadlineExceeded, ResourceExhausted (the server
-        has too much work), Unavailable (after some attempts). A ray that is not finite or has no direction is answered
-        as invalid, and fails nothing.
+        has too much work, also after a minute of attempts), Unavailable (after some attempts). A ray that is not finite or has no direction is answered
+        as invalid, and fails nothing. Warnings: PrecisionWarning, origins are float32 and so far out that float32 does not
+        hold them well.
         """
         query = _query.describe(self.name, kind, fields, build, cull, updates.ids([under])[0], updates.ids(exclude),
                                 max_hits, at_least, revision, time_budget, allow_partial)
-        limit = self.client.max_rays_per_request()
+        caster = Caster(self._connection, self.client.max_rays_per_request(), query, timeout, self._names,
+                        functools.partial(warn_of_origins, self))
         if hasattr(rays, "__next__"):
-            return self._cast_iterator(limit, query, rays, timeout, progress)
+            return self._cast_iterator(caster, rays, progress)
         batch = as_rays(rays, origins, directions, tmin, tmax, masks)
         with reporter(progress, batch.count) as report:
-            return _caster.cast_rays(self._connection, limit, query, batch, timeout, self._names, report)
+            return caster.cast(batch, report)
 
-    def _cast_iterator(self, limit: int, query: Any, batches: Iterator[Any], timeout: Optional[float],
+    def _cast_iterator(self, caster: Caster, batches: Iterator[Any],
                        progress: Any) -> "Iterator[Union[Hits, AllHits]]":
         with reporter(progress, None) as report:
-            yield from _caster.cast_batches(self._connection, limit, query, batches, timeout, self._names, report)
+            yield from caster.cast_batches(batches, report)
 
     def render(self, size: Any = (640, 480), **options: Any) -> Picture:
         """A picture, width x height, of closest hits shaded by their normals; a notebook displays it.
@@ -160,36 +167,68 @@ class Scene:
         """A new node, under `parent` (0: a root), and the mesh it carries; None: a group.
 
         mesh: (vertices (v, 3), faces (f, 3)), or an object that has both, as trimesh's; or a trimesh.Scene, whose nodes
-        are put under this one, all as one revision. Vertices are kept as float32 relative to `origin` (3). transform: (3, 4) or (4, 4), parent from local. mobility: "static", "rigid",
-        "deforming". mask: 32 bits, of which rays need one. Errors: TypeError, ValueError (not a mesh, a transform),
-        InvalidArgument (no ray can be carried through the transforms), NotFound (the parent).
+        are put under this one, all as one revision. Vertices are kept as float32; with `origin` (3), a point near them,
+        about a point of the scene's lattice, where meshes that share vertices still share them, and by a node of its
+        own below the new one if that point is not zero (Node.mesh_node). transform: (3, 4) or (4, 4), parent from local.
+        mobility: "static", "rigid", "deforming". mask: 32 bits, of which rays need one. Errors: TypeError, ValueError
+        (not a mesh, a transform), InvalidArgument (no ray can be carried through the transforms), NotFound (the parent).
         """
+        options = {"name": name, "parent": parent, "transform": transform, "mobility": mobility, "mask": mask}
         if is_hierarchy(mesh):
-            return add_hierarchy(self, mesh, name=name, parent=parent, transform=transform, mobility=mobility, mask=mask)
-        digest = "" if mesh is None else upload(self._connection, as_mesh(mesh, origin))
-        return self.put(digest, name=name, parent=parent, transform=transform, origin=origin, mobility=mobility,
-                        mask=mask)
+            return add_hierarchy(self, mesh, **options)
+        if mesh is None:
+            return self.put("", **options)
+        point = tuple(np.asarray(origin, "f8").reshape(3).tolist())
+        if not any(point):
+            return self.put(upload(self._connection, as_mesh(mesh)), **options)
+        digest, placement = self._upload(mesh)
+        self.client._lattice(self.name).added[digest, point] = placement
+        return self._put(digest, placement, **options)
+
+    def _upload(self, mesh: Any) -> "Tuple[str, Optional[Placement]]":
+        """Sends a mesh that is kept on the scene's lattice."""
+        made = as_mesh(mesh, self.client._lattice(self.name))
+        return upload(self._connection, made), made.placement
 
     def put(self, digest: str, *, name: str = "", parent: AnyNode = 0, transform: Any = None,
             origin: Any = (0.0, 0.0, 0.0), mobility: Optional[str] = None, mask: Optional[int] = None) -> Node:
-        """The same for a mesh that the server has, by its digest; "": a group."""
-        node = Node(self, self._batch.next_alias() if self._batch else -1, origin)
-        matrix = placed(transform, origin)
-        self._change([updates.put_node(node.number, updates.ids([parent])[0], name, matrix, digest, mobility, mask)],
-                     node)
+        """The same for a mesh that the server has, by its digest; "": a group. origin: as given to the add() of this
+        program that sent the mesh, or Node.origin of its node."""
+        point = tuple(np.asarray(origin, "f8").reshape(3).tolist())
+        placement = Placement(np.array(point), math.inf) if digest and any(point) else None
+        return self._put(digest, self.client._lattice(self.name).added.get((digest, point), placement), name=name,
+                         parent=parent, transform=transform, mobility=mobility, mask=mask)
+
+    def _put(self, digest: str, placement: "Optional[Placement]", *, name: str, parent: AnyNode, transform: Any,
+             mobility: Optional[str], mask: Optional[int]) -> Node:
+        """A node, and one below it for a mesh that is placed, so that every move of the node moves the mesh with it."""
+        alias = self._batch.next_alias() if self._batch else -1
+        node = Node(self, alias)
+        made, changes = [node], [updates.put_node(alias, updates.ids([parent])[0], name, transform,
+                                                  digest if placement is None else "", mobility, mask)]
+        if placement is not None:
+            made.append(node.placed(alias - 1, placement))
+            changes.append(updates.put_node(alias - 1, alias, name, translation(placement.origin), digest, mobility, mask))
+        self._change(changes, made)
         return node
 
     def set_transforms(self, nodes: Iterable[AnyNode], transforms: Any) -> None:
         """Moves nodes to transforms (n, 3, 4) or (n, 4, 4), float64, parent from local."""
-        self._change(updates.set_transforms(nodes, transforms))
+        self._change(updates.set_transforms(nodes, transforms), [])
 
     def patch_vertices(self, nodes: Iterable[AnyNode], vertices: Any, first: int = 0) -> None:
-        """Moves vertices (n, 3), from number `first` on, of the one mesh that the nodes carry."""
-        self._change(updates.patch_vertices(nodes, first, vertices))
+        """Moves vertices (n, 3), from number `first` on, of the one mesh that the nodes carry: in what the mesh's vertices
+        were given in if the nodes are Node objects; of ids, in the mesh's own frame. Errors: ValueError, Node objects of
+        different `origin`; InvalidArgument, a node without a mesh."""
+        self._change(patches(nodes, first, vertices), [])
 
     def delete_node(self, node: AnyNode, subtree: bool = False) -> None:
-        """Errors: FailedPrecondition, it has children and `subtree` is not set."""
-        self._change([updates.delete_node(node, subtree)])
+        """Errors: FailedPrecondition, it has children and `subtree` is not set; the node that holds the mesh of a Node
+        object with an `origin` does not count."""
+        changes = [updates.delete_node(node, subtree)]
+        if isinstance(node, Node) and node.mesh_node is not node and not subtree:
+            changes.insert(0, updates.delete_node(node.mesh_node, False))
+        self._change(changes, [])
 
     def batch(self, expected_revision: Optional[int] = None) -> Batch:
         """Within `with scene.batch() as batch:` the changes of nodes are collected, and applied at its end as one
@@ -197,13 +236,13 @@ class Scene:
         is not at the expected revision; those of the changes."""
         return Batch(self, expected_revision)
 
-    def _change(self, changes: "List[Any]", node: Optional[Node] = None) -> None:
+    def _change(self, changes: "List[Any]", made: "List[Node]") -> None:
         if self._batch is not None:
-            self._batch.add(changes, node)
+            self._batch.add(changes, made)
             return
         applied = apply(self._connection, self.name, changes)
-        if node is not None:
-            node.number = applied.nodes[0]
+        for node, number in zip(made, applied.nodes):
+            node.number = number
 
     # ---- streams
 

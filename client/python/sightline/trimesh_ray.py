@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import hashlib
-import warnings
 from typing import Any, Optional, Tuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ._meshes_of import OwnScene
+from ._warnings import warn
 from .client import Client
 from .scene import Scene
 
-_MOST_HITS = 16384  # of a ray, that a server lists
 # For inside tests: no axis, no diagonal. The second and third vote where a mesh is not closed.
 _PROBES = np.array([[0.5377, 0.2119, 0.8161], [-0.7417, 0.5693, -0.3545], [0.1913, -0.9041, 0.3821]])
 
@@ -47,17 +46,16 @@ class RayMeshIntersector:
         return RayMeshIntersector(self.mesh, client=self._client)
 
     def intersects_id(self, ray_origins: ArrayLike, ray_directions: ArrayLike, multiple_hits: bool = True,
-                      max_hits: int = 100, return_locations: bool = False) -> Tuple[np.ndarray, ...]:
+                      max_hits: Optional[int] = 100, return_locations: bool = False) -> Tuple[np.ndarray, ...]:
         """The faces that rays hit, by ray, then near to far: index_tri (m), index_ray (m), both int64, and locations
         (m, 3) float64 if `return_locations`. Without `multiple_hits` only the first of each ray. A warning says if a ray
-        has more than `max_hits`."""
+        has more than `max_hits`; None: all are listed."""
         origins, directions = _rays(ray_origins, ray_directions)
         if multiple_hits:
             hits = self._scene().cast(origins=origins, directions=directions, kind="all", fields=("t", "primitive"),
-                                      max_hits=min(max_hits, _MOST_HITS))
-            if hits.cut_off.any():
-                warnings.warn(f"{int(hits.cut_off.sum())} rays have more than max_hits={max_hits} hits; the nearest "
-                              "are listed", stacklevel=2)
+                                      max_hits=max_hits or 0)
+            if max_hits and hits.cut_off.any():
+                warn(f"{int(hits.cut_off.sum())} rays have more than max_hits={max_hits} hits; the nearest are listed")
             ray, face, locations = hits.ray, hits.primitive, hits.position
         else:
             first = self._scene().cast(origins=origins, directions=directions, fields=("t", "primitive"))
@@ -68,8 +66,8 @@ class RayMeshIntersector:
 
     def intersects_location(self, ray_origins: ArrayLike, ray_directions: ArrayLike,
                             multiple_hits: bool = True) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Where rays hit: locations (m, 3), index_ray (m), index_tri (m)."""
-        face, ray, locations = self.intersects_id(ray_origins, ray_directions, multiple_hits, return_locations=True)
+        """Where rays hit, all hits of each ray or the first: locations (m, 3), index_ray (m), index_tri (m)."""
+        face, ray, locations = self.intersects_id(ray_origins, ray_directions, multiple_hits, None, True)
         return locations, ray, face
 
     def intersects_first(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> np.ndarray:
@@ -86,7 +84,7 @@ class RayMeshIntersector:
     def contains_points(self, points: ArrayLike) -> np.ndarray:
         """bool (n): whether each point (n, 3) is inside the mesh: a ray from it crosses an odd number of faces. Where
         the mesh is not closed, by the majority of three rays. A point on the surface may get either answer."""
-        places = np.asarray(points, np.float64)
+        places = np.asarray(points)
         if places.ndim != 2 or places.shape[1] != 3:
             raise ValueError(f"points have the shape (n, 3), not {places.shape}")
         probes = _PROBES[:1] if getattr(self.mesh, "is_watertight", False) else _PROBES
@@ -120,7 +118,7 @@ def _content(mesh: Any) -> Any:
 
 
 def _rays(ray_origins: ArrayLike, ray_directions: ArrayLike) -> Tuple[np.ndarray, np.ndarray]:
-    origins, directions = np.asarray(ray_origins, np.float64), np.asarray(ray_directions, np.float64)
+    origins, directions = np.asarray(ray_origins), np.asarray(ray_directions)
     if origins.shape != directions.shape or origins.ndim != 2 or origins.shape[1] != 3:
         raise ValueError(f"origins and directions have one shape (n, 3), not {origins.shape} and {directions.shape}")
     return origins, directions

@@ -9,6 +9,8 @@ from typing import Any, Deque, Iterable, Iterator, List, Optional, Tuple
 
 from . import _proto, errors, updates
 from ._connection import Connection
+from ._retries import Retries
+from .nodes import patches
 
 _MESSAGE_BYTES = 1 << 20  # of a message of a batch
 _ATTEMPTS = 8  # to open the call, without an answer between them
@@ -66,8 +68,9 @@ class UpdateStream:
         return self.send(updates.set_transforms(nodes, transforms))
 
     def patch_vertices(self, nodes: "Iterable[Any]", vertices: Any, first: int = 0) -> int:
-        """A batch that moves vertices (n, 3), from number `first` on, of the mesh that the nodes carry."""
-        return self.send(updates.patch_vertices(nodes, first, vertices))
+        """A batch that moves vertices (n, 3), from number `first` on, of the mesh that the nodes carry, as
+        Scene.patch_vertices does."""
+        return self.send(patches(nodes, first, vertices))
 
     def flush(self, timeout: Optional[float] = None) -> int:
         """Waits until all batches are answered. Returns the revision that holds them. Errors: of the first batch that
@@ -114,7 +117,7 @@ class UpdateStream:
     # ---- the thread that holds the call open
 
     def _run(self) -> None:
-        failures = 0
+        failures, retries = 0, Retries()
         while True:
             answered = self._answered
             try:
@@ -123,7 +126,16 @@ class UpdateStream:
                     return
                 raise errors.Unavailable("the server ended the stream of updates")
             except errors.SightlineError as error:
-                failures = 1 if self._answered > answered else failures + 1
+                if self._answered > answered:
+                    failures = 0
+                    retries.progressed()
+                pause = retries.pause(error)
+                if pause is not None:
+                    with self._lock:
+                        self._changed.wait_for(lambda: self._is_closing, pause)
+                    if not self._is_closing:
+                        continue
+                failures += 1
                 if self._is_closing or not self._may_go_on(error, failures):
                     return self._fail(error)
             except BaseException as error:  # it is raised in the threads that use the stream

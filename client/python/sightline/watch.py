@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
-import time
 from typing import Iterator, List, Optional
 
 from . import _proto, errors, updates
 from ._connection import Connection
+from ._retries import Retries, sleep
 
 _ATTEMPTS = 6  # without a message between them
 _FIRST_PAUSE = 0.1  # seconds; doubled after each attempt
@@ -24,7 +24,7 @@ class Change:
 
 def watch(connection: Connection, scene: str, start: Optional[int]) -> "Iterator[Change]":
     """See Scene.watch."""
-    failures, reached = 0, start
+    failures, reached, retries = 0, start, Retries()
     while True:
         request = _proto.WatchSceneRequest(scene=scene)
         if reached is not None:
@@ -34,6 +34,7 @@ def watch(connection: Connection, scene: str, start: Optional[int]) -> "Iterator
                 parts: "List[updates.Update]" = []
                 for message in stream:
                     failures = 0
+                    retries.progressed()
                     parts += map(updates.decode, message.updates)
                     if message.more:
                         continue
@@ -46,4 +47,7 @@ def watch(connection: Connection, scene: str, start: Optional[int]) -> "Iterator
             failures += 1
             if failures == _ATTEMPTS:
                 raise
-            time.sleep(_FIRST_PAUSE * 2 ** failures)
+            sleep(_FIRST_PAUSE * 2 ** failures)
+        except errors.ResourceExhausted as error:
+            if not retries.wait(error):
+                raise

@@ -1,0 +1,86 @@
+"""All hits of rays that have more of them than one answer lists: the rays are cast again from behind what is known."""
+
+from __future__ import annotations
+
+from typing import Callable, Dict, Optional
+
+import numpy as np
+
+from ._query import MOST_LISTED, OF_HITS
+from ._warnings import warn
+from .hits import CUT_OFF, UNANSWERED, AllHits
+from .rays import Rays
+
+Columns = Dict[str, np.ndarray]
+
+
+def complete(known: AllHits, rays: Rays, most: Optional[int], cast: "Callable[[Rays], AllHits]") -> None:
+    """Adds to `known` what it left out, up to `most` hits of a ray; None: all. cast() lists the nearest MOST_LISTED hits
+    of rays at the same revision, with the same columns, which include t.
+
+    Hits come by (t, node, primitive), so that only those at a ray's last t may be cut in two: the ray is cast again from
+    that t on, and its answer takes the place of the hits at that t. Where more hits than an answer lists are at one t
+    nothing tells them apart; a warning then says how many rays miss some.
+    """
+    columns = known._columns
+    ended, tied = np.zeros(rays.count, bool), np.zeros(rays.count, bool)
+    while True:
+        listed = np.diff(columns["offset"].astype("i8"))
+        cut = (columns["hit"] == CUT_OFF) & ~ended
+        if most is not None:
+            cut &= listed < most
+        rows = np.flatnonzero(cut)
+        if not len(rows):
+            break
+        last = columns["t"][columns["offset"][rows + 1].astype("i8") - 1]
+        more = cast(rays.from_t(rows, last))
+        known.add_cost(more.stats)
+        ended[rows] = more._columns["hit"] == UNANSWERED
+        tied[rows] = _are_at_one_t(more._columns, last)
+        ended |= tied
+        _replace(columns, rows, last, more._columns)
+    if tied.any():
+        warn(f"{int(tied.sum())} rays have more than {MOST_LISTED} hits at one distance: further hits there and behind "
+             "are left out", UserWarning)
+    if most is not None:
+        _keep_nearest(columns, most)
+    known.stats["hits_found"] = int(columns["offset"][-1])
+    known.stats["rays_cut_off"] = int((columns["hit"] == CUT_OFF).sum())
+
+
+def _are_at_one_t(more: Columns, last: np.ndarray) -> np.ndarray:
+    """For each ray, whether its whole answer is at its last t, and there is more."""
+    is_cut, end = more["hit"] == CUT_OFF, more["offset"][1:].astype("i8")
+    at_one = is_cut.copy()
+    at_one[is_cut] = more["t"][end[is_cut] - 1] == last[is_cut]
+    return at_one
+
+
+def _replace(columns: Columns, rows: np.ndarray, last: np.ndarray, more: Columns) -> None:
+    """Puts the answers for `rows` in the place of their hits at `last` and behind."""
+    is_answered = more["hit"] != UNANSWERED
+    limit = np.full(len(columns["hit"]), np.inf)
+    limit[rows[is_answered]] = last[is_answered]
+    ray = np.repeat(np.arange(len(limit)), np.diff(columns["offset"].astype("i8")))
+    kept = columns["t"] < limit[ray]
+    ray = np.concatenate([ray[kept], np.repeat(rows, np.diff(more["offset"].astype("i8")))])
+    order = np.argsort(ray, kind="stable")
+    for name in OF_HITS:
+        if name in columns:
+            columns[name] = np.concatenate([columns[name][kept], more[name]])[order]
+    columns["offset"] = np.append(0, np.cumsum(np.bincount(ray, minlength=len(limit)))).astype("u8")
+    columns["hit"] = columns["hit"].copy()
+    columns["hit"][rows[is_answered]] = more["hit"][is_answered]
+
+
+def _keep_nearest(columns: Columns, most: int) -> None:
+    offset = columns["offset"].astype("i8")
+    count = np.diff(offset)
+    if not (count > most).any():
+        return
+    kept = np.arange(offset[-1]) - np.repeat(offset[:-1], count) < most
+    for name in OF_HITS:
+        if name in columns:
+            columns[name] = columns[name][kept]
+    columns["offset"] = np.append(0, np.cumsum(np.minimum(count, most))).astype("u8")
+    columns["hit"] = np.where(count > most, CUT_OFF, columns["hit"]).astype("u1")

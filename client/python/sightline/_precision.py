@@ -1,0 +1,48 @@
+"""Rays whose origins are too far out for the type that they were given in."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Tuple
+
+import numpy as np
+
+from . import errors
+from ._warnings import PrecisionWarning, warn
+from .rays import Rays
+
+if TYPE_CHECKING:
+    from .scene import Scene
+
+_MAX_SPACING = 1e-6  # of the scene's diagonal, as the command has it
+_SAMPLE = 65536      # origins that are looked at
+
+
+def warn_of_origins(scene: "Scene", rays: Rays, token: str) -> None:
+    """A PrecisionWarning if origins are float32, or less, and so far out that its values there are far apart for this
+    scene. `token`: of the revision that was cast at."""
+    if rays.origin_type.kind != "f" or rays.origin_type.itemsize > 4 or not rays.count:
+        return
+    reach, spacing = _reach(rays)
+    known = scene.client._diagonals
+    if scene.name in known and spacing <= _MAX_SPACING * known[scene.name][1]:
+        return
+    if known.get(scene.name, ("", 0.0))[0] != token:
+        try:
+            info = scene.info()
+        except errors.SightlineError:  # the answer is there, and a warning must not cost it
+            return
+        diagonal = 0.0 if info.bounds is None else float(np.linalg.norm(info.bounds[1] - info.bounds[0]))
+        known[scene.name] = (info.token, diagonal)
+    diagonal = known[scene.name][1]
+    if diagonal > 0 and spacing > _MAX_SPACING * diagonal:
+        name = f"float{8 * rays.origin_type.itemsize}"
+        warn(f"rays are {name} and begin up to {reach:.3g} from the origin, where {name} values are {spacing:.2g} "
+             f"apart; the scene's diagonal is {diagonal:.3g}: pass float64", PrecisionWarning)
+
+
+def _reach(rays: Rays) -> "Tuple[float, float]":
+    """The largest finite coordinate of origins, and the distance there to the next value of their type."""
+    sample = np.abs(rays.origins[::-(-rays.count // _SAMPLE)])
+    reach = float(sample.max(initial=0.0, where=np.isfinite(sample)))
+    with np.errstate(over="ignore", invalid="ignore"):
+        return reach, float(np.spacing(rays.origin_type.newbyteorder("=").type(reach)))
