@@ -162,6 +162,7 @@ Result<FileScene> read_with_assimp(const SceneFile& file) {
   if (!source) return source.error();
   auto scene = file_scene_from_assimp(source->scene(), source->importer_name());
   if (!scene) return scene;
+  settle_omissions(source->importer_name(), file.bytes, *scene);
   if (source->importer_name().find("IFC") != std::string::npos)
     use(ifc_contents(file.bytes), *scene);
   std::string turned = turned_axes(source->importer_name(), file.bytes, file.options.up_axis);

@@ -113,14 +113,13 @@ Status check_rig(const AnimatedScene& animated) {
   const bool transforms = rig.parent_from_local.size() == scene.nodes.size() &&
                           std::all_of(rig.parent_from_local.begin(), rig.parent_from_local.end(),
                                       [](const Transform& m) { return all_finite(m); });
-  const bool lists = rig.vertices.size() == scene.meshes.size() &&
-                     rig.skins.size() == scene.meshes.size() &&
-                     rig.shapes.size() == scene.meshes.size();
-  const bool offsets =
-      rig.offsets.size() == scene.meshes.size() &&
-      std::all_of(rig.offsets.begin(), rig.offsets.end(),
-                  [](const Point& offset) { return all_finite(offset); });
-  if (!transforms || !lists || !all_finite(rig.scene_from_file) || !offsets)
+  const bool lists =
+      rig.vertices.size() == scene.meshes.size() && rig.skins.size() == scene.meshes.size() &&
+      rig.shapes.size() == scene.meshes.size() && rig.weights.size() == scene.meshes.size() &&
+      rig.offsets.size() == scene.meshes.size();
+  const bool offsets = std::all_of(rig.offsets.begin(), rig.offsets.end(),
+                                   [](const Point& offset) { return all_finite(offset); });
+  if (!transforms || !lists || !offsets || !all_finite(rig.scene_from_file))
     return import_error("the rig");
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const ImportedMesh& mesh = scene.meshes[m];

@@ -65,13 +65,15 @@ Pose pose(const AnimatedScene& animated, const Animation& animation, double seco
   if (animation.deformations.empty()) return out;
   const std::vector<Transform> world = composed(scene.nodes, locals);
   for (const Deformation& deformation : animation.deformations) {
-    std::vector<Point> points =
-        blended(rig.vertices[deformation.mesh], rig.shapes[deformation.mesh], deformation, seconds);
-    const Skin& skin = rig.skins[deformation.mesh];
-    if (!skin.bones.empty()) {
-      put_on(skin, inverse(world[deformation.node]), world, points);
-    }
-    out.shaped.push_back({{deformation.node}, rounded(points, rig.offsets[deformation.mesh])});
+    const std::uint32_t mesh = deformation.mesh;
+    std::vector<Point> points = rig.vertices[mesh];
+    blend(
+        rig.shapes[mesh],
+        deformation.weights.keys.empty() ? rig.weights[mesh] : sample(deformation.weights, seconds),
+        points);
+    const Skin& skin = rig.skins[mesh];
+    if (!skin.bones.empty()) put_on(skin, inverse(world[deformation.node]), world, points);
+    out.shaped.push_back({{deformation.node}, rounded(points, rig.offsets[mesh])});
   }
   return out;
 }

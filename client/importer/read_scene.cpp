@@ -46,9 +46,9 @@ auto reader_of(const SceneFile& file) {
 }
 
 Result<AnimatedScene> read(const SceneFile& file) {
+  if (file.bytes.empty()) return import_error("the file is empty");
   if (const Status good = check_format(file.name, file.bytes); !good) return good.error();
   if (const Status good = check_encoding(file.bytes); !good) return good.error();
-  if (const Status good = preflight(file.name, file.bytes); !good) return good.error();
   if (const Status good = check_complete(file.bytes); !good) return good.error();
   auto scene = reader_of(file)(file);
   if (!scene) return scene.error();

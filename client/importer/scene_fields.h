@@ -64,7 +64,7 @@ void fields(Archive& archive, Animation& animation) {
 template <class Archive>
 void fields(Archive& archive, Rig& rig) {
   archive(rig.parent_from_local, rig.scene_from_file, rig.offsets, rig.vertices, rig.skins,
-          rig.shapes);
+          rig.shapes, rig.weights);
 }
 
 template <class Archive>

@@ -14,6 +14,8 @@
 
 #include "client/importer/frame.h"
 #include "client/importer/node_name.h"
+#include "client/importer/rebase.h"
+#include "client/importer/rest_pose.h"
 #include "client/importer/self_check.h"
 #include "client/importer/triangulate.h"
 
@@ -45,15 +47,6 @@ Status check_mesh(const FileMesh& mesh, std::size_t nodes) {
     if (std::isfinite(weight)) continue;
     return import_error(fmt::format("mesh '{}': one of its shapes has the weight {}",
                                     node_name(mesh.name), weight));
-  }
-  return {};
-}
-
-Status check_skin(const FileMesh& mesh) {
-  for (std::size_t b = 0; b < mesh.skin.bones.size(); ++b) {
-    if (is_finite(mesh.skin.bones[b].bone_from_mesh)) continue;
-    return import_error(fmt::format("mesh '{}': the transform of its bone {} is not finite",
-                                    node_name(mesh.name), b));
   }
   return {};
 }
@@ -116,8 +109,7 @@ Status check_animation(const FileScene& file, const Animation& animation) {
 
 Status check(const FileScene& file) {
   for (const FileMesh& mesh : file.meshes) {
-    if (Status good = check_mesh(mesh); !good) return good;
-    if (Status good = check_skin(mesh); !good) return good;
+    if (Status good = check_mesh(mesh, file.nodes.size()); !good) return good;
   }
   for (const FileNode& node : file.nodes) {
     if (Status good = check_node(file, node); !good) return good;
@@ -298,9 +290,10 @@ Result<AnimatedScene> scene_from_file(FileScene file, const ImportOptions& optio
   scene.warnings = std::move(file.warnings);
   out.rig.scene_from_file = frame_conversion(scene, options.up_axis, options.meters_per_unit);
   if (const Status good = put_into_frame(scene, options); !good) return good.error();
-  const auto offset = move_near_origin(file.meshes, scene.nodes, options);
-  if (!offset) return offset.error();
-  out.rig.offset = *offset;
+  auto rebased = move_near_origin(file.meshes, scene.nodes, options);
+  if (!rebased) return rebased.error();
+  out.rig.offsets = std::move(rebased->offsets);
+  std::move(rebased->warnings.begin(), rebased->warnings.end(), std::back_inserter(scene.warnings));
   std::vector<bool> is_solid;
   for (const FileMesh& mesh : file.meshes) is_solid.push_back(mesh.is_solid);
   scene.meshes = convert_meshes(std::move(file.meshes), scene.warnings);

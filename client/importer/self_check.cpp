@@ -10,14 +10,15 @@
 #include <map>
 #include <utility>
 
+#include "client/importer/affine.h"
 #include "client/importer/closedness.h"
 #include "client/importer/node_name.h"
 
 namespace sightline::client::importer {
 namespace {
 
-// Nearer to flat, the directions of the axes differ by rounding alone.
-constexpr double kFlat = 1e-14;
+// A node whose transform has a larger condition number is stored and never hit.
+constexpr double kMaxCondition = 1e12;
 
 // By the meshes of each part, the first node of the file that carries them.
 std::map<std::vector<std::uint32_t>, std::size_t> parts_of(const std::vector<FileNode>& nodes) {
@@ -69,21 +70,34 @@ class Closedness {
   std::uint64_t solids_ = 0, odd_ = 0, tried_ = 0;
 };
 
+// Whether no ray can be carried into the frame: there is no inverse, or its condition number
+// |A| |A^-1| is above the server's limit.
 bool is_flat(const Transform& m) {
-  const auto length = [&](std::size_t c) { return std::hypot(m[c], m[4 + c], m[8 + c]); };
-  const double volume = m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
-                        m[2] * (m[4] * m[9] - m[5] * m[8]);
-  return !(std::abs(volume) > kFlat * length(0) * length(1) * length(2));
+  const auto at = [&](std::size_t r, std::size_t c) { return m[4 * (r % 3) + c % 3]; };
+  double determinant = 0, squares = 0, squares_of_cofactors = 0;
+  for (std::size_t r = 0; r < 3; ++r) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double cofactor =
+          at(r + 1, c + 1) * at(r + 2, c + 2) - at(r + 1, c + 2) * at(r + 2, c + 1);
+      if (r == 0) determinant += at(0, c) * cofactor;
+      squares += at(r, c) * at(r, c);
+      squares_of_cofactors += cofactor * cofactor;
+    }
+  }
+  const double condition = std::sqrt(squares) * std::sqrt(squares_of_cofactors);
+  return !(condition <= kMaxCondition * std::abs(determinant)) || determinant == 0;
 }
 
 void check_flat(const std::vector<ImportedNode>& nodes, std::vector<Warning>& warnings) {
   Warning flat{.kind = "flat_node", .count = 0};
-  std::vector<bool> below_flat(nodes.size());
+  std::vector<Transform> world(nodes.size());
+  std::vector<bool> flat_here(nodes.size());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const ImportedNode& node = nodes[i];
-    below_flat[i] =
-        is_flat(node.parent_from_local) || (node.parent != kNone && below_flat[node.parent]);
-    if (!below_flat[i] || node.mesh == kNone) continue;
+    const bool is_root = node.parent == kNone;
+    world[i] = is_root ? node.parent_from_local : world[node.parent] * node.parent_from_local;
+    flat_here[i] = is_flat(node.parent_from_local) || (!is_root && flat_here[node.parent]);
+    if (node.mesh == kNone || (!flat_here[i] && !is_flat(world[i]))) continue;
     if (flat.count++ == 0) flat.first = fmt::format("node '{}'", node.name);
   }
   if (flat.count == 0) return;

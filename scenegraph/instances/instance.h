@@ -14,7 +14,6 @@ namespace sightline::scenegraph::instances {
 /// A node that carries a mesh with a finite triangle, with its world transform.
 struct Instance {
   model::Affine local_from_world;
-  bool mirrored = false;      ///< The transform reverses windings.
   accel::geometry::Aabb box;  ///< World, less Instances::center(), rounded outward.
   model::NodeId node = 0;
   model::NodeId parent = 0;

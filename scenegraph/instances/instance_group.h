@@ -15,18 +15,6 @@
 
 namespace sightline::scenegraph::instances {
 
-/// A node that carries a mesh with a finite triangle, with its world transform.
-struct Instance {
-  model::Affine local_from_world;
-  accel::geometry::Aabb box;  ///< World, less Instances::center(), rounded outward.
-  model::NodeId node = 0;
-  model::NodeId parent = 0;
-  std::uint32_t mask = accel::geometry::kAllMasks;
-  std::uint32_t index = 0;  ///< Among Instances.
-  const model::Mesh* mesh = nullptr;
-  std::atomic<bool>* entered = nullptr;
-};
-
 struct Opened;
 
 /// A node with instances below it. Immutable apart from being opened, once.

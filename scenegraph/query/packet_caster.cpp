@@ -155,8 +155,8 @@ void PacketCaster::enter(const instances::Instance& instance, std::uint32_t inde
     instance.entered->store(true, std::memory_order_relaxed);
   mesh_.node = instance.node;
   mesh_.instance = index;
-  const model::Mesh::OwnedTree mesh = instance.mesh->owned_tree();
-  const accel::lazy::OwnedTree owned(lazy_, mesh.owner);
+  model::Mesh::OwnedTree& mesh = instance.mesh->owned_tree();
+  const accel::lazy::OwnedTree owned(lazy_, mesh);
   mesh.tree.query(
       mesh_, lanes,
       {lazy_, saw_deferred_, counters_.walked, built, std::span(sinks_).first(collected_.size())});

@@ -112,8 +112,8 @@ void RayCaster::ask_mesh(const instances::Instance& instance, TreeEntry& tree) {
     instance.entered->store(true, std::memory_order_relaxed);
   query_.node = instance.node;
   query_.instance = tree.first + instance.index;
-  const model::Mesh::OwnedTree mesh = instance.mesh->owned_tree();
-  const accel::lazy::OwnedTree owned(query_, mesh.owner);
+  model::Mesh::OwnedTree& mesh = instance.mesh->owned_tree();
+  const accel::lazy::OwnedTree owned(query_, mesh);
   mesh.tree.query(query_, counters_.walked, *tree.built);
   if (query_.primitives != nullptr && query_.found) collected_.end_mesh();
 }

@@ -61,8 +61,9 @@ server                      server/* scenegraph/* proto/result accel/split
 client/*.h                  proto/rays proto/result
 client/importer/sandbox     client/*.h
 client/importer/*.h         client/*.h
+client/importer/formats     client/*.h client/importer/*.h
 client/importer/gltf        client/*.h client/importer/*.h
-client/importer             client/*.h client/importer/*.h client/importer/sandbox client/importer/gltf
+client/importer             client/*.h client/importer/*.h client/importer/sandbox client/importer/formats client/importer/gltf
 client/wire                 client/*.h proto/rays
 client/calls                client/*.h client/wire client/importer/*.h proto/rays
 client/*.cpp                proto/rays client/*.h client/wire client/calls client/importer/*.h

@@ -73,7 +73,9 @@ ExitCode run(const Session& session, const AddArguments& arguments) {
   if (!ids && interrupt.happened()) return say_interrupted();
   if (!ids) return fail(ids.error());
   if (session.json) {
-    print_json({{"scene", arguments.scene}, {"nodes", *ids}});
+    print_json({{"scene", arguments.scene},
+                {"nodes", *ids},
+                {"warnings", json_of_warnings(nodes->warnings)}});
   } else if (!session.quiet) {
     fmt::print("{}: {} nodes added\n  nodes  {}\n", arguments.scene, format_count(ids->size()),
                fmt::join(*ids, " "));

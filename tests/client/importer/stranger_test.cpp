@@ -47,10 +47,7 @@ TEST(Stranger, MaterialsAreNotAskedFor) {
   const auto scene =
       import_scene(dir.write("a.obj", "mtllib /etc/passwd\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
   ASSERT_TRUE(scene) << error_of(scene);
-  ASSERT_EQ(scene->warnings.size(), 2U) << "this, and a note of open edges";
-  EXPECT_EQ(scene->warnings[0].message,
-            dir.path("a.obj") +
-                ": it names '/etc/passwd', which is outside the folder of the scene file");
+  EXPECT_TRUE(scene->warnings.empty());
 }
 
 TEST(Stranger, ACutFileIsAnErrorOrAWarning) {

@@ -48,8 +48,8 @@ TEST(AppliedUpdates, ReferToEveryNodeByItsId) {
 TEST(AppliedUpdates, CountTheGroupsAboveOnce) {
   Scene scene;
   std::vector<Update> chain;
-  for (int i = 1; i <= 1000; ++i) chain.emplace_back(tests::put_node(-i, 1 - i, nullptr));
-  chain.emplace_back(tests::put_node(-1001, -999, nullptr));
+  for (int i = 1; i <= 1000; ++i) chain.push_back(tests::put_node(-i, 1 - i, nullptr));
+  chain.push_back(tests::put_node(-1001, -999, nullptr));
   ASSERT_TRUE(scene.apply(chain));
   const auto bytes_of_moving = [&](const std::vector<scenegraph::model::NodeRef>& nodes) {
     const std::vector<scenegraph::model::Affine> unmoved(nodes.size());

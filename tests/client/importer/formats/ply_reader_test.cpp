@@ -1,5 +1,5 @@
 // PLY files in text and in both orders of bytes: types, lists, strips, and what is refused.
-#include "client/importer/ply_reader.h"
+#include "client/importer/formats/ply_reader.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "tests/client/importer/read_bytes.h"
+#include "tests/client/importer/formats/read_bytes.h"
 
-namespace sightline::client::importer {
+namespace sightline::client::importer::formats {
 namespace {
 
 using Corners = std::vector<std::uint32_t>;
@@ -318,4 +318,4 @@ TEST(PlyReader, HeadersThatAreNotUnderstoodAreRefused) {
 }
 
 }  // namespace
-}  // namespace sightline::client::importer
+}  // namespace sightline::client::importer::formats

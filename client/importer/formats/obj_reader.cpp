@@ -1,5 +1,5 @@
 // Reads statements line by line into objects and their parts, and makes meshes of the parts.
-#include "client/importer/obj_reader.h"
+#include "client/importer/formats/obj_reader.h"
 
 #include <fmt/format.h>
 
@@ -12,11 +12,11 @@
 #include <utility>
 #include <vector>
 
-#include "client/importer/obj_groups.h"
-#include "client/importer/obj_unread.h"
-#include "client/importer/text.h"
+#include "client/importer/formats/obj_groups.h"
+#include "client/importer/formats/obj_unread.h"
+#include "client/importer/formats/text.h"
 
-namespace sightline::client::importer {
+namespace sightline::client::importer::formats {
 namespace {
 
 constexpr std::size_t kMost = 0xFFFFFFF0;  // vertices, or corners of faces
@@ -243,4 +243,4 @@ class ObjReader {
 
 Result<FileScene> read_obj(const SceneFile& file) { return ObjReader(file).read(); }
 
-}  // namespace sightline::client::importer
+}  // namespace sightline::client::importer::formats

@@ -9,7 +9,10 @@
 
 #include "client/importer/file_scene.h"
 
-namespace sightline::client::importer {
+namespace sightline::client::importer::formats {
+
+/// At the start of a text in UTF-8.
+inline constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 /// The next word of the text, which is removed from it. Blanks are spaces and tabs. Empty: there is
 /// none.
@@ -80,4 +83,4 @@ class ReadProgress {
   std::size_t next_ = kStep;
 };
 
-}  // namespace sightline::client::importer
+}  // namespace sightline::client::importer::formats

@@ -4,7 +4,7 @@
 #include "client/importer/file_scene.h"
 #include "client/result.h"
 
-namespace sightline::client::importer {
+namespace sightline::client::importer::formats {
 
 /// Each `o`, and each `g` of another name, is a node below a root that has the file's name; a
 /// material that changes within it begins another mesh. A mesh has the vertices that its faces
@@ -14,4 +14,4 @@ namespace sightline::client::importer {
 /// vertex that does not exist, a last line that is cut off.
 Result<FileScene> read_obj(const SceneFile& file);
 
-}  // namespace sightline::client::importer
+}  // namespace sightline::client::importer::formats

@@ -7,7 +7,7 @@
 #include "client/importer/file_scene.h"
 #include "client/result.h"
 
-namespace sightline::client::importer {
+namespace sightline::client::importer::formats {
 
 using Reader = Result<FileScene> (*)(const SceneFile& file);
 
@@ -32,4 +32,4 @@ inline std::string kinds_of(const FileScene& scene) {
   return kinds;
 }
 
-}  // namespace sightline::client::importer
+}  // namespace sightline::client::importer::formats

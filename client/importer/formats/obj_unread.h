@@ -8,7 +8,7 @@
 
 #include "client/importer/imported_scene.h"
 
-namespace sightline::client::importer {
+namespace sightline::client::importer::formats {
 
 class ObjUnread {
  public:
@@ -35,4 +35,4 @@ class ObjUnread {
   bool has_last_line_end_ = true;
 };
 
-}  // namespace sightline::client::importer
+}  // namespace sightline::client::importer::formats

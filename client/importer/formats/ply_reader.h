@@ -5,7 +5,7 @@
 #include "client/importer/file_scene.h"
 #include "client/result.h"
 
-namespace sightline::client::importer {
+namespace sightline::client::importer::formats {
 
 /// Text, or binary in either order of bytes. Vertices may have numbers of any type as x, y, z;
 /// faces are the lists vertex_index or vertex_indices of the elements face and tristrips, in which
@@ -14,4 +14,4 @@ namespace sightline::client::importer {
 /// vertex that does not exist, a file that ends too early, a word that is no number.
 Result<FileScene> read_ply(const SceneFile& file);
 
-}  // namespace sightline::client::importer
+}  // namespace sightline::client::importer::formats

@@ -1,5 +1,5 @@
 // A file of exactly the size that its count of facets needs is binary, whatever it begins with.
-#include "client/importer/stl_reader.h"
+#include "client/importer/formats/stl_reader.h"
 
 #include <fmt/format.h>
 
@@ -10,10 +10,10 @@
 #include <string_view>
 #include <utility>
 
-#include "client/importer/stl_text.h"
-#include "client/importer/text.h"
+#include "client/importer/formats/stl_text.h"
+#include "client/importer/formats/text.h"
 
-namespace sightline::client::importer {
+namespace sightline::client::importer::formats {
 namespace {
 
 constexpr std::size_t kHeader = 84;  // the last four bytes are the number of facets
@@ -116,4 +116,4 @@ Result<FileScene> read_stl(const SceneFile& file) {
                                   file.bytes.size(), kHeader));
 }
 
-}  // namespace sightline::client::importer
+}  // namespace sightline::client::importer::formats

@@ -12,7 +12,7 @@
 
 #include "client/importer/file_scene.h"
 
-namespace sightline::client::importer {
+namespace sightline::client::importer::formats {
 
 /// Faces go to the part that was opened last. Objects and parts are those of Assimp, so that nodes,
 /// meshes and the numbers of faces are those of earlier versions of this program.
@@ -56,4 +56,4 @@ class ObjGroups {
   std::size_t corner_count_ = 0;
 };
 
-}  // namespace sightline::client::importer
+}  // namespace sightline::client::importer::formats

@@ -1,5 +1,5 @@
 // OBJ files as they are found: marks, ends of lines, corners, groups, and what is refused.
-#include "client/importer/obj_reader.h"
+#include "client/importer/formats/obj_reader.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "tests/client/importer/read_bytes.h"
+#include "tests/client/importer/formats/read_bytes.h"
 
-namespace sightline::client::importer {
+namespace sightline::client::importer::formats {
 namespace {
 
 using Corners = std::vector<std::uint32_t>;
@@ -213,4 +213,4 @@ TEST(ObjReader, TheLastStatementIsWhole) {
 }
 
 }  // namespace
-}  // namespace sightline::client::importer
+}  // namespace sightline::client::importer::formats

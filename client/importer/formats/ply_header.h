@@ -11,7 +11,7 @@
 #include "client/importer/imported_scene.h"
 #include "client/result.h"
 
-namespace sightline::client::importer {
+namespace sightline::client::importer::formats {
 
 enum class PlyType : std::uint8_t {
   kInt8,
@@ -59,4 +59,4 @@ struct PlyHeader {
 /// bytes.
 Result<PlyHeader> read_ply_header(std::string_view file);
 
-}  // namespace sightline::client::importer
+}  // namespace sightline::client::importer::formats

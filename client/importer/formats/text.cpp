@@ -1,5 +1,5 @@
 // Numbers are read by std::from_chars, which rounds correctly and knows no language.
-#include "client/importer/text.h"
+#include "client/importer/formats/text.h"
 
 #include <fmt/format.h>
 
@@ -9,10 +9,9 @@
 #include <limits>
 #include <system_error>
 
-namespace sightline::client::importer {
+namespace sightline::client::importer::formats {
 namespace {
 
-constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 constexpr std::size_t kShown = 40;  // characters of a word or line
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
@@ -139,4 +138,4 @@ void TextCursor::skip_end_of_line() {
   ++line_;
 }
 
-}  // namespace sightline::client::importer
+}  // namespace sightline::client::importer::formats

@@ -1,14 +1,14 @@
 // Statements about looks are silent; those that may add a surface, and unknown ones, are counted.
-#include "client/importer/obj_unread.h"
+#include "client/importer/formats/obj_unread.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <iterator>
 
-#include "client/importer/text.h"
+#include "client/importer/formats/text.h"
 
-namespace sightline::client::importer {
+namespace sightline::client::importer::formats {
 namespace {
 
 // Normals, texture coordinates, materials, display, and what only curves and surfaces use.
@@ -62,4 +62,4 @@ std::vector<Warning> ObjUnread::warnings() const {
   return warnings;
 }
 
-}  // namespace sightline::client::importer
+}  // namespace sightline::client::importer::formats

@@ -4,7 +4,7 @@
 #include "client/importer/file_scene.h"
 #include "client/result.h"
 
-namespace sightline::client::importer {
+namespace sightline::client::importer::formats {
 
 /// Each solid of a text is a node with a mesh of its name; keywords may be in any case. A binary
 /// file is a mesh without a name; if its size and the number of facets in its header differ, a
@@ -13,4 +13,4 @@ namespace sightline::client::importer {
 /// that is cut off; with the line: a facet without three vertices, a word that is no number.
 Result<FileScene> read_stl(const SceneFile& file);
 
-}  // namespace sightline::client::importer
+}  // namespace sightline::client::importer::formats

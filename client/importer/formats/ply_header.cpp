@@ -1,5 +1,5 @@
 // One line after the other, each by its first word.
-#include "client/importer/ply_header.h"
+#include "client/importer/formats/ply_header.h"
 
 #include <fmt/format.h>
 
@@ -7,13 +7,12 @@
 #include <optional>
 #include <utility>
 
-#include "client/importer/text.h"
+#include "client/importer/formats/text.h"
 
-namespace sightline::client::importer {
+namespace sightline::client::importer::formats {
 namespace {
 
 constexpr std::size_t kLongest = std::size_t{1} << 20;
-constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 struct NamedType {
   std::string_view name, new_name;
@@ -192,4 +191,4 @@ std::size_t PlyElement::find(std::string_view property) const {
 
 Result<PlyHeader> read_ply_header(std::string_view file) { return HeaderReader(file).read(); }
 
-}  // namespace sightline::client::importer
+}  // namespace sightline::client::importer::formats

@@ -20,7 +20,7 @@
 #include "client/importer/lattice.h"
 #include "tests/client/importer/formats/read_bytes.h"
 
-namespace sightline::client::importer {
+namespace sightline::client::importer::formats {
 namespace {
 
 namespace fs = std::filesystem;
@@ -126,17 +126,17 @@ int compare_all(const fs::path& folder) {
   return compared;
 }
 
-TEST(SecondReader, AgreesOnTheModelsOfAssimp) {
+TEST(SecondReaderOfFormats, AgreesOnTheModelsOfAssimp) {
   const fs::path models = "/usr/share/assimp/models";
   if (!fs::exists(models)) GTEST_SKIP() << "assimp-testmodels is not installed";
   EXPECT_GT(compare_all(models), 30);
 }
 
-TEST(SecondReader, AgreesOnRealScenes) {
+TEST(SecondReaderOfFormats, AgreesOnRealScenes) {
   const char* folder = std::getenv("SIGHTLINE_SCENES");
   if (folder == nullptr) GTEST_SKIP() << "SIGHTLINE_SCENES is not set";
   EXPECT_GT(compare_all(folder), 3);
 }
 
 }  // namespace
-}  // namespace sightline::client::importer
+}  // namespace sightline::client::importer::formats

@@ -1,5 +1,5 @@
 // Loads and turns bytes around, or reads words.
-#include "client/importer/ply_values.h"
+#include "client/importer/formats/ply_values.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include <cstring>
 #include <limits>
 
-namespace sightline::client::importer {
+namespace sightline::client::importer::formats {
 namespace {
 
 template <class T>
@@ -137,4 +137,4 @@ Result<std::uint64_t> PlyValues::surplus_bytes() {
   return rest.empty() ? 0 : file_.size() - end;
 }
 
-}  // namespace sightline::client::importer
+}  // namespace sightline::client::importer::formats

@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <string_view>
 
-#include "client/importer/ply_header.h"
-#include "client/importer/text.h"
+#include "client/importer/formats/ply_header.h"
+#include "client/importer/formats/text.h"
 #include "client/result.h"
 
-namespace sightline::client::importer {
+namespace sightline::client::importer::formats {
 
 /// Reads values one after the other. A value that is not there, or is no number, ends it: all later
 /// calls fail, too, and `error` says why.
@@ -46,4 +46,4 @@ class PlyValues {
   std::string bad_;
 };
 
-}  // namespace sightline::client::importer
+}  // namespace sightline::client::importer::formats

@@ -1,5 +1,5 @@
 // Reads element after element, in the order of the header.
-#include "client/importer/ply_reader.h"
+#include "client/importer/formats/ply_reader.h"
 
 #include <fmt/format.h>
 
@@ -11,11 +11,11 @@
 #include <utility>
 #include <vector>
 
-#include "client/importer/ply_header.h"
-#include "client/importer/ply_values.h"
-#include "client/importer/text.h"
+#include "client/importer/formats/ply_header.h"
+#include "client/importer/formats/ply_values.h"
+#include "client/importer/formats/text.h"
 
-namespace sightline::client::importer {
+namespace sightline::client::importer::formats {
 namespace {
 
 constexpr std::size_t kMostCorners = 0xFFFFFFF0;
@@ -209,4 +209,4 @@ Result<FileScene> read_ply(const SceneFile& file) {
   return PlyReader(file, *std::move(header)).read();
 }
 
-}  // namespace sightline::client::importer
+}  // namespace sightline::client::importer::formats

@@ -1,5 +1,5 @@
 // Reads word after word; ends of lines only end names.
-#include "client/importer/stl_text.h"
+#include "client/importer/formats/stl_text.h"
 
 #include <fmt/format.h>
 
@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "client/importer/text.h"
+#include "client/importer/formats/text.h"
 
-namespace sightline::client::importer {
+namespace sightline::client::importer::formats {
 namespace {
 
 constexpr std::size_t kMostVertices = 0xFFFFFFF0;
@@ -157,4 +157,4 @@ void add_stl_vertex(FileMesh& mesh, const Point& vertex) {
   mesh.vertices.push_back(vertex);
 }
 
-}  // namespace sightline::client::importer
+}  // namespace sightline::client::importer::formats

@@ -4,7 +4,7 @@
 #include "client/importer/file_scene.h"
 #include "client/result.h"
 
-namespace sightline::client::importer {
+namespace sightline::client::importer::formats {
 
 /// As read_stl, for a file that is text.
 Result<FileScene> read_stl_text(const SceneFile& file);
@@ -12,4 +12,4 @@ Result<FileScene> read_stl_text(const SceneFile& file);
 /// Adds the vertex, and a corner with its number.
 void add_stl_vertex(FileMesh& mesh, const Point& vertex);
 
-}  // namespace sightline::client::importer
+}  // namespace sightline::client::importer::formats

@@ -1,5 +1,5 @@
 // STL files in text and in binary: case, names, wrong counts and sizes, and what is refused.
-#include "client/importer/stl_reader.h"
+#include "client/importer/formats/stl_reader.h"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "tests/client/importer/read_bytes.h"
+#include "tests/client/importer/formats/read_bytes.h"
 
-namespace sightline::client::importer {
+namespace sightline::client::importer::formats {
 namespace {
 
 constexpr const char* kFacet =
@@ -183,4 +183,4 @@ TEST(StlReader, FilesThatAreNoStlAreRefused) {
 }
 
 }  // namespace
-}  // namespace sightline::client::importer
+}  // namespace sightline::client::importer::formats

@@ -1,10 +1,10 @@
 // Faces keep the file's numbers of vertices until all are known.
-#include "client/importer/obj_groups.h"
+#include "client/importer/formats/obj_groups.h"
 
 #include <algorithm>
 #include <utility>
 
-namespace sightline::client::importer {
+namespace sightline::client::importer::formats {
 namespace {
 
 constexpr std::string_view kNameless = "defaultobject";
@@ -108,4 +108,4 @@ FileScene ObjGroups::scene(const std::string& name, const std::vector<Point>& ve
   return scene;
 }
 
-}  // namespace sightline::client::importer
+}  // namespace sightline::client::importer::formats
