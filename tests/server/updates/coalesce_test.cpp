@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <random>
 
 #include "scenegraph/scene.h"
@@ -57,10 +58,11 @@ TEST(Coalesce, CoalescesOnlyPoseBatchesUpToTheFirstOtherBatch) {
 
 TEST(Coalesce, LeavesOutInvalidUpdates) {
   const std::vector<Update> pose{SetTransforms{{1}, {at(1)}}};
-  const std::vector<Update> flat{SetTransforms{{1}, {Affine{{}}}}};
+  const std::vector<Update> infinite{
+      SetTransforms{{1}, {at(std::numeric_limits<double>::infinity())}}};
   const std::vector<Update> alias{SetTransforms{{-1}, {at(1)}}};
   const std::vector<Update> patch_of_alias{PatchVertices{{-1}, 0, {}}};
-  for (const auto& unsound : {flat, alias, patch_of_alias})
+  for (const auto& unsound : {infinite, alias, patch_of_alias})
     EXPECT_EQ(count_to_coalesce(batches({pose, unsound, pose})), 1u);
 }
 
