@@ -59,8 +59,7 @@ Status CastJob::accept(const v1::CastRaysRequest& request) {
   const bool lists = query_.kind == scenegraph::QueryKind::kAll;
   if (lists && replies_ == Replies::kOne && count * query_.max_hits > kMaxHitsPerReply) {
     return Error{Code::kInvalidArgument,
-                 fmt::format("{} rays with up to {} hits each are {} hits, the limit of "
-                             "one reply "
+                 fmt::format("{} rays with up to {} hits each are {} hits, the limit of one reply "
                              "is {}; send fewer, lower max_hits or use StreamCastRays",
                              count, query_.max_hits, count * query_.max_hits, kMaxHitsPerReply),
                  "TOO_MANY_HITS"};
@@ -74,7 +73,7 @@ Status CastJob::accept(const v1::CastRaysRequest& request) {
                       count * kReplyBytesPerRay + derived_bytes(query_, rows) +
                       sharded_bytes(count, lists ? rows : 0);
   if (lists) {
-    bytes += hit_pager_bytes(count, query_.max_hits, services_.compute.threads(), kFirstList);
+    bytes += hit_pager_bytes(count, query_.max_hits, services_.compute.threads(), first_list());
     auto all_hits = services_.all_hits_admission.admit(caller_, count, bytes);
     if (!all_hits) return all_hits.error();
     all_hits_ticket_ = std::move(*all_hits);
@@ -288,7 +287,7 @@ Status CastJob::begin() {
   if (query_.kind == scenegraph::QueryKind::kAll) {
     rays_.resize(batch_.size());
     batch_.decode(0, rays_);
-    pager_.begin(rays_);
+    pager_.begin(rays_, first_list());
   }
   begun_ = true;
   return {};
@@ -329,6 +328,11 @@ Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
   answered_ += count;
   if (answered_ < batch_.size()) progress = Progress::kMore;
   return {};
+}
+
+/// A single reply has all hits.
+const ListSize& CastJob::first_list() const {
+  return replies_ == Replies::kOne ? kFullList : kFirstList;
 }
 
 /// There are many hits: books what it takes to list more of them at a time. Where that is not

@@ -128,6 +128,7 @@ class CastJob {
   Status build();
   Status run_slice(v1::CastRaysResponse& reply, Progress& progress);
   Status begin();
+  const ListSize& first_list() const;
   void list_more();
   Status trace_slice(v1::CastRaysResponse& reply, Progress& progress);
   Result<scenegraph::TraceStats> trace_rays(std::size_t count,

@@ -13,9 +13,9 @@ std::size_t hit_pager_bytes(std::size_t rays, std::size_t max_hits, int threads,
   return rays * sizeof(scenegraph::RayTally) + 2 * hits * sizeof(accel::geometry::Hit);
 }
 
-void HitPager::begin(std::span<const accel::geometry::Ray> rays) {
+void HitPager::begin(std::span<const accel::geometry::Ray> rays, const ListSize& size) {
   rays_ = rays;
-  size_ = kFirstList;
+  size_ = size;
   sent_ = listed_ = sent_hits_ = 0;
   tallies_.resize(rays.size());
   hits_.clear();

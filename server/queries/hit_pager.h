@@ -33,8 +33,8 @@ std::size_t hit_pager_bytes(std::size_t rays, std::size_t max_hits, int threads,
 /// Answers a batch that asks for all hits in parts, each of whole rays.
 class HitPager {
  public:
-  /// Starts a batch, with kFirstList. `rays` must not change until all parts are made.
-  void begin(std::span<const accel::geometry::Ray> rays);
+  /// Starts a batch with lists of this size. `rays` must not change until all parts are made.
+  void begin(std::span<const accel::geometry::Ray> rays, const ListSize& size);
   /// Whether the next part needs more hits to be listed than were so far.
   bool goes_on() const { return sent_ > 0 && sent_ == listed_; }
   /// From the next list on.

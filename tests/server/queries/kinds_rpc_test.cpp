@@ -228,6 +228,18 @@ TEST_F(KindsRpcTest, OneReplyHoldsAtMostTheLimitOfHits) {
   EXPECT_EQ(api_.cast(request).stats().hits_found(), 81u);
 }
 
+TEST_F(KindsRpcTest, OneReplyHoldsAllHitsUpToTheLimit) {
+  api_.make_scene(kScene, duplicates(256));
+  v1::CastRaysRequest request = cast_request(
+      kScene,
+      std::vector<accel::geometry::Ray>(80, accel::geometry::Ray{{0.2, 0.2, 1}, {0, 0, -1}}));
+  request.set_kind(v1::QUERY_KIND_ALL);
+  const v1::CastRaysResponse reply = api_.cast(request);
+  EXPECT_FALSE(reply.more());
+  EXPECT_EQ(column_values<std::uint32_t>(reply, v1::HIT_FIELD_OFFSET).back(), 80u * 256);
+  EXPECT_EQ(reply.stats().hits_found(), 80u * 256);
+}
+
 TEST_F(KindsRpcTest, AnEmptyBatchHasAnEmptyList) {
   api_.make_scene(kScene, planar_sheet(1));
   v1::CastRaysRequest request;
