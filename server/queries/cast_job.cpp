@@ -287,7 +287,7 @@ Status CastJob::begin() {
   if (query_.kind == scenegraph::QueryKind::kAll) {
     rays_.resize(batch_.size());
     batch_.decode(0, rays_);
-    pager_.begin(rays_, first_list());
+    pager_.begin(rays_, first_list(), replies_ == Replies::kOne ? kMaxHitsPerReply : kHitsPerPart);
   }
   begun_ = true;
   return {};

@@ -25,18 +25,25 @@ inline constexpr ListSize kFullList{65536, 16384};
 /// While it is not known whether a batch has many hits.
 inline constexpr ListSize kFirstList{4096, 1024};
 
+/// Most hits of one part of several, unless a single ray has more.
+inline constexpr std::size_t kHitsPerPart = 4096;
+
 /// Most bytes that a batch of `rays` rays holds, with `threads` threads listing hits: the hits
-/// before and after they are sorted by ray.
+/// before and after they are sorted by ray, and those that wait for the rest of their part.
 std::size_t hit_pager_bytes(std::size_t rays, std::size_t max_hits, int threads,
                             const ListSize& size);
 
-/// Answers a batch that asks for all hits in parts, each of whole rays.
+/// Answers a batch that asks for all hits in parts, each of whole rays. Where parts end depends on
+/// the hits alone, not on the sizes of lists and threads, so that a batch that is asked again has
+/// the same parts.
 class HitPager {
  public:
-  /// Starts a batch with lists of this size. `rays` must not change until all parts are made.
-  void begin(std::span<const accel::geometry::Ray> rays, const ListSize& size);
-  /// Whether the next part needs more hits to be listed than were so far.
-  bool goes_on() const { return sent_ > 0 && sent_ == listed_; }
+  /// Starts a batch with lists of this size, and parts of `part_hits` hits, unless a single ray has
+  /// more. `rays` must not change until all parts are made.
+  void begin(std::span<const accel::geometry::Ray> rays, const ListSize& size,
+             std::size_t part_hits);
+  /// Whether a part was made and is not the last one: the batch has many hits.
+  bool goes_on() const { return sent_ > 0; }
   /// From the next list on.
   void set_list_size(const ListSize& size) { size_ = size; }
 
@@ -53,12 +60,13 @@ class HitPager {
   Status list(const scenegraph::revision::Snapshot& snapshot, scenegraph::TraceOptions options);
 
   std::span<const accel::geometry::Ray> rays_;
-  std::size_t sent_ = 0;    // rays in parts that are made
-  std::size_t listed_ = 0;  // rays that are traced
-  std::size_t sent_hits_ = 0;
+  std::size_t sent_ = 0;       // rays in parts that are made
+  std::size_t listed_ = 0;     // rays that are traced
+  std::size_t sent_hits_ = 0;  // of hits_
+  std::size_t part_hits_ = kHitsPerPart;
   ListSize size_ = kFirstList;
   std::vector<scenegraph::RayTally> tallies_;  // of all rays
-  std::vector<accel::geometry::Hit> hits_;     // of the last rays traced
+  std::vector<accel::geometry::Hit> hits_;     // from the last part made on, and some before
   DerivedColumns derived_;
   scenegraph::TraceStats stats_;
 };

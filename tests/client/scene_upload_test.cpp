@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <stop_token>
 #include <string>
 #include <utility>
@@ -112,9 +113,9 @@ TEST_F(SceneUpload, AnExistingSceneIsAConflictUnlessReplaced) {
 
 TEST_F(SceneUpload, AnInvalidSceneIsRefusedAndTheOldOneKept) {
   ASSERT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(2), {}));
-  importer::ImportedScene flat = tests::row_of_sheets(1);
-  flat.nodes[1].parent_from_local[0] = 0;
-  EXPECT_FALSE(upload_scene(client_, kScene, flat, {.replace = true}));
+  importer::ImportedScene endless = tests::row_of_sheets(1);
+  endless.nodes[1].parent_from_local[0] = HUGE_VAL;
+  EXPECT_FALSE(upload_scene(client_, kScene, endless, {.replace = true}));
   EXPECT_EQ(client_.get_scene(kScene)->instances, 2U);
 }
 

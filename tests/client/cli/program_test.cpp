@@ -1,6 +1,7 @@
 // The command as scripts call it: exit codes, JSON keys, files.
 #include "client/cli/program.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
@@ -216,15 +217,19 @@ TEST_F(Program, AFileThatKillsItsReaderIsOneLineAndExitCode1) {
 }
 
 TEST_F(Program, ASceneThatIsRefusedIsRefusedByTheNameOfItsFile) {
-  const std::string flat = dir_.write("flat.gltf", R"({"asset":{"version":"2.0"},"scene":0,
-"scenes":[{"nodes":[0]}],"nodes":[{"name":"crushed","mesh":0,"scale":[0,1,1]}],
+  std::string nodes;  // a chain of 1,025
+  for (int i = 1; i <= 1024; ++i) nodes += fmt::format(R"({{"children":[{}]}},)", i);
+  const std::string deep = dir_.write("deep.gltf", R"({"asset":{"version":"2.0"},"scene":0,
+"scenes":[{"nodes":[0]}],"nodes":[)" + nodes + R"({"name":"deepest","mesh":0}],
 "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
 "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
 "bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36,"uri":
 "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})");
-  const Outcome outcome = run({"scene", "import", "new", flat.c_str()});
+  const Outcome outcome = run({"scene", "import", "new", deep.c_str()});
   EXPECT_EQ(outcome.exit, 1);
-  EXPECT_NE(outcome.err.find(flat + ": node 'crushed'"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find(deep + ": node 'deepest' is at depth 1025, the limit is 1024"),
+            std::string::npos)
+      << outcome.err;
 }
 
 TEST_F(Program, WarningsOfAnImportAreShown) {

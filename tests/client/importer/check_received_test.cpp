@@ -30,6 +30,7 @@ AnimatedScene small_scene() {
   out.rig.offsets.emplace_back();
   out.rig.skins.push_back({{{1, kIdentity}}, {0, 1, 1, 1}, {{0, 1.0}}});
   out.rig.shapes.push_back({{{0, 0, 1}, {0, 0, 1}, {0, 0, 1}}});
+  out.rig.weights.push_back({0.25});
   Animation animation;
   animation.name = "walk";
   animation.seconds = 2;

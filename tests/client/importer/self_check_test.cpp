@@ -107,7 +107,7 @@ TEST(SelfCheck, FlatNodesAreAWarning) {
   const auto warnings = warnings_of(scene);
   ASSERT_EQ(warnings.size(), 1U);
   EXPECT_EQ(warnings[0].kind, "flat_node");
-  EXPECT_EQ(warnings[0].count, 2U);
+  EXPECT_EQ(warnings[0].count, 3U);
   EXPECT_EQ(warnings[0].first, "node 'part0'");
 }
 
