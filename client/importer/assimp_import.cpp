@@ -80,6 +80,7 @@ std::vector<Warning> warnings_of(const std::filesystem::path& file,
                                  const std::vector<std::string>& refusals,
                                  std::vector<Warning> of_scene) {
   std::vector<Warning> out;
+  out.reserve(refusals.size() + of_scene.size());
   for (const std::string& refusal : refusals) {
     out.push_back({.kind = "file_not_read", .message = refusal});
   }

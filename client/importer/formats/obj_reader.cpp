@@ -89,9 +89,9 @@ class ObjReader {
     while (!lines_.is_at_end()) {
       line_ = lines_.next();
       progress.reached(lines_.at());
-      if (Status good = read_line(); !good) return good.error();
+      if (const Status good = read_line(); !good) return good.error();
     }
-    if (Status good = check_later_vertices(); !good) return good.error();
+    if (const Status good = check_later_vertices(); !good) return good.error();
     FileScene scene = std::move(groups_).scene(file_.name, vertices_);
     scene.warnings = unread_.warnings();
     return scene;

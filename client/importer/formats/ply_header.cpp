@@ -47,7 +47,7 @@ class HeaderReader {
       std::string_view line = next_line();
       const std::string_view keyword = take_word(line);
       if (keyword == "end_header" && trimmed(line).empty()) return finish();
-      if (Status good = read_line(keyword, line); !good) {
+      if (const Status good = read_line(keyword, line); !good) {
         return import_error(
             fmt::format("line {} of the PLY header: {}", line_, good.error().message));
       }

@@ -35,9 +35,9 @@ class PlyReader {
         warnings_(header_.warnings) {}
 
   Result<FileScene> read() {
-    if (Status good = check_vertices(); !good) return good.error();
+    if (const Status good = check_vertices(); !good) return good.error();
     for (const PlyElement& element : header_.elements) {
-      if (Status good = read_elements(element); !good) return good.error();
+      if (const Status good = read_elements(element); !good) return good.error();
     }
     const auto surplus = values_.surplus_bytes();
     if (!surplus) return surplus.error();

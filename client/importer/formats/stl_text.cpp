@@ -49,7 +49,7 @@ class StlTextReader {
     ReadProgress progress(file_);
     for (std::string keyword = next_keyword(text_); !keyword.empty();
          keyword = next_keyword(text_)) {
-      if (Status good = read_statement(keyword); !good) return good.error();
+      if (const Status good = read_statement(keyword); !good) return good.error();
       progress.reached(text_.at());
     }
     return scene();
