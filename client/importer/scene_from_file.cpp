@@ -295,6 +295,7 @@ Result<AnimatedScene> scene_from_file(FileScene file, const ImportOptions& optio
   out.rig.offsets = std::move(rebased->offsets);
   std::move(rebased->warnings.begin(), rebased->warnings.end(), std::back_inserter(scene.warnings));
   std::vector<bool> is_solid;
+  is_solid.reserve(file.meshes.size());
   for (const FileMesh& mesh : file.meshes) is_solid.push_back(mesh.is_solid);
   scene.meshes = convert_meshes(std::move(file.meshes), scene.warnings);
   self_check(file.nodes, is_solid, scene);

@@ -201,7 +201,8 @@ constexpr Magic kZipped[] = {{"3D/3dmodel.model", kThreeMf},
                              {".ifc", kIfcZip},
                              {".dae", kZae}};
 
-std::string_view trimmed(std::string_view text) {
+// From the first character on that is neither a byte order mark nor a blank.
+std::string_view after_blanks(std::string_view text) {
   if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   return first == std::string_view::npos ? std::string_view() : text.substr(first);
@@ -259,7 +260,7 @@ const Format* with_contents(std::string_view extension, std::string_view bytes) 
   if (bytes.starts_with("PK\x03\x04")) return in_zip(extension, bytes);
   if (bytes.starts_with("FORM") && bytes.substr(0, 12).find("LW") != bytes.npos) return &kLightWave;
   if (bytes.starts_with("MM") && bytes.size() > 16 && bytes[6] == '\x02') return &kThreeDs;
-  const std::string_view text = trimmed(bytes.substr(0, kHead));
+  const std::string_view text = after_blanks(bytes.substr(0, kHead));
   if (text.starts_with('<') && text.find("<COLLADA") == text.npos) return with_word(text, kWords);
   if (text.starts_with('{') && text.find("\"CityJSON\"") != text.npos) return &kCityJson;
   if (is_dxf(text)) return &kDxf;
@@ -271,7 +272,7 @@ const Format* with_contents(std::string_view extension, std::string_view bytes) 
 bool begins_as_read(std::string_view bytes) {
   return bytes.starts_with("glTF") || bytes.starts_with("ply") || bytes.starts_with("AC3D") ||
          bytes.starts_with("Kaydara FBX") ||
-         trimmed(bytes.substr(0, kHead)).find("<COLLADA") != std::string_view::npos;
+         after_blanks(bytes.substr(0, kHead)).find("<COLLADA") != std::string_view::npos;
 }
 
 Error not_read(std::string_view what, std::string_view remedy) {
@@ -324,7 +325,7 @@ bool is_read(std::string_view extension) {
 Status check_format(std::string_view name, std::string_view bytes) {
   const bool has_extension = name.find('.') != std::string_view::npos;
   const std::string extension = has_extension ? extension_of(name) : std::string();
-  if (trimmed(bytes.substr(0, kHead)).starts_with("ISO-10303-21")) return check_step(bytes);
+  if (after_blanks(bytes.substr(0, kHead)).starts_with("ISO-10303-21")) return check_step(bytes);
   const Format* format = with_contents(extension, bytes);
   if (format == nullptr) {
     if (is_read(extension) || begins_as_read(bytes)) return {};
