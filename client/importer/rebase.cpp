@@ -23,6 +23,7 @@
 namespace sightline::client::importer {
 namespace {
 
+constexpr double kFloatLoss = 0x1p-24;  // of a mesh's size
 constexpr double kFarTooCoarse = 1e-2;  // of a mesh's size: it gets a step of its own
 
 bool is_float(double x) { return static_cast<double>(static_cast<float>(x)) == x; }
@@ -180,10 +181,11 @@ std::vector<Point> choose_offsets(const Scene& scene, const std::vector<LatticeS
   return offsets;
 }
 
-// The meshes that lose much of their size.
+// How far the vertices of meshes that lie far away were moved.
 class Losses {
  public:
   void add(const FileMesh& mesh, double size, double loss) {
+    if (loss > kFloatLoss * size) largest_ = std::max(largest_, loss);
     if (!(size > 0) || !(loss > kWarnedLoss * size)) return;
     ++count_;
     if (count_ > 1 && loss / size <= worst_ / size_) return;
@@ -193,6 +195,13 @@ class Losses {
   }
 
   std::vector<Warning> warnings() const {
+    if (count_ == 0 && largest_ > 0) {
+      return {{.kind = "rounded",
+               .message = fmt::format("vertices far from the origin were moved by up to {:.3g}, "
+                                      "so that float32 and an offset hold them",
+                                      largest_),
+               .is_note = true}};
+    }
     if (count_ == 0) return {};
     const std::string more = count_ == 1 ? "" : fmt::format("; so are {} more meshes", count_ - 1);
     return {{"precision", count_, fmt::format("mesh '{}'", name_),
@@ -202,9 +211,10 @@ class Losses {
   }
 
  private:
-  std::uint64_t count_ = 0;
-  std::string name_;
+  std::uint64_t count_ = 0;  // of meshes that lose more than kWarnedLoss
+  std::string name_;         // the one that loses most of its size
   double worst_ = 0, size_ = 1;
+  double largest_ = 0;  // more than a float loses near its mesh's middle
 };
 
 // Near the origin, floats are what all scenes have.
@@ -275,10 +285,12 @@ Result<Rebased> rebase_to(std::vector<Point> offsets, std::vector<FileMesh>& mes
   }
   const Scene scene(meshes);
   std::size_t own_steps = 0;
-  const std::vector<Warning> lost =
-      apply(meshes, scene, choose_steps(scene, own_steps), out.offsets);
-  if (lost.empty()) return out;
-  return import_error("lies too far from the offset of another file: " + lost[0].message);
+  out.warnings = apply(meshes, scene, choose_steps(scene, own_steps), out.offsets);
+  for (const Warning& warning : out.warnings) {
+    if (!warning.is_note)
+      return import_error("lies too far from the offset of another file: " + warning.message);
+  }
+  return out;
 }
 
 }  // namespace sightline::client::importer

@@ -30,8 +30,9 @@ struct Rebased {
 ///
 /// Otherwise vertices are rounded as lattice.h says, with the step of the largest mesh. All meshes
 /// have one offset if together they are at most a step in size, else each has its own. A mesh for
-/// which that step is far too coarse has a step of its own, with a warning, and so has a loss of
-/// more than kWarnedLoss of a mesh's size.
+/// which that step is far too coarse has a step of its own, with a warning. A loss of more than
+/// kWarnedLoss of a mesh's size is a warning, too; a smaller one, if floats near the mesh would
+/// lose less, is a note.
 ///
 /// Vertices or whole meshes that were equal stay equal, and different ones that are floats stay
 /// different. Offsets are 0 if a node that carries a mesh has children, because they would have to

@@ -1,8 +1,10 @@
 // Rebasing of far scenes: when it happens, and that it does not move anything.
 #include "client/importer/rebase.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -27,12 +29,18 @@ struct Scene {
   std::vector<ImportedNode> nodes;
 };
 
+std::vector<Warning> without_notes(const Rebased& rebased) {
+  std::vector<Warning> warnings = rebased.warnings;
+  std::erase_if(warnings, [](const Warning& warning) { return warning.is_note; });
+  return warnings;
+}
+
 // The offset that all meshes have.
 Offset rebase(Scene& scene) {
   const Rebased rebased = importer::rebase(scene.meshes, scene.nodes);
   EXPECT_EQ(rebased.offsets.size(), scene.meshes.size());
   for (const Offset& offset : rebased.offsets) EXPECT_EQ(offset, rebased.offsets[0]);
-  EXPECT_TRUE(rebased.warnings.empty());
+  EXPECT_TRUE(without_notes(rebased).empty());
   return rebased.offsets.empty() ? kNowhere : rebased.offsets[0];
 }
 
@@ -258,7 +266,7 @@ TEST(Rebase, MillimetersOfASmallThingAreKept) {
       const std::vector<Point> file = surveyed(corner, size, 100, random);
       Scene scene = scene_of({mesh_of(file)});
       const Rebased rebased = importer::rebase(scene.meshes, scene.nodes);
-      EXPECT_TRUE(rebased.warnings.empty()) << rebased.warnings[0].message;
+      EXPECT_TRUE(without_notes(rebased).empty()) << rebased.warnings[0].message;
       expect_floats(scene);
       for (std::size_t i = 0; i < file.size(); ++i)
         EXPECT_LT(distance(placed(scene, 0, i), file[i]), std::min(2e-4, 1e-4 * size)) << size;
@@ -279,7 +287,7 @@ TEST(Rebase, SharedVerticesAreAtOnePosition) {
       Scene one = scene_of({mesh_of(left)}), two = scene_of({mesh_of(right)});
       Scene alone = scene_of({mesh_of(surveyed({0, 0, 0}, 1, 5, random)), mesh_of(right)});
       for (Scene* scene : {&together, &one, &two, &alone}) {
-        EXPECT_TRUE(importer::rebase(scene->meshes, scene->nodes).warnings.empty());
+        EXPECT_TRUE(without_notes(importer::rebase(scene->meshes, scene->nodes)).empty());
         expect_floats(*scene);
       }
       for (std::size_t i = 0; i < seam.size(); ++i) {
@@ -301,7 +309,7 @@ TEST(Rebase, MeshesFarFromEachOtherHaveOffsetsOfTheirOwn) {
   Scene scene =
       scene_of({mesh_of(here), mesh_of(far), mesh_of({{0, 0, 0}, {1, 0, 0}, {0, 0.1, 0}})});
   const Rebased rebased = importer::rebase(scene.meshes, scene.nodes);
-  EXPECT_TRUE(rebased.warnings.empty());
+  EXPECT_TRUE(without_notes(rebased).empty());
   EXPECT_NE(rebased.offsets[0], rebased.offsets[1]);
   EXPECT_EQ(rebased.offsets[2], kNowhere) << "a mark at the origin stays there";
   for (std::size_t i = 0; i < here.size(); ++i) {
@@ -330,7 +338,7 @@ TEST(Rebase, VerticesWithoutAFaceDoNotCount) {
       mesh_of({{0, 0, 0}, {5e5, 4e6, 1.1}, {500000.1, 4e6, 1.1}, {5e5, 4000000.1, 1.1}});
   mesh.faces = {{0, 3}, {1, 2, 3}};
   Scene scene = scene_of({mesh});
-  EXPECT_TRUE(importer::rebase(scene.meshes, scene.nodes).warnings.empty());
+  EXPECT_TRUE(without_notes(importer::rebase(scene.meshes, scene.nodes)).empty());
   EXPECT_NEAR(placed(scene, 0, 2)[0] - placed(scene, 0, 1)[0], 0.1, 1e-5);
 }
 
@@ -339,26 +347,44 @@ TEST(Rebase, ALossIsAWarning) {
   // A box among tiles, a node that cannot be moved, and a mesh from the origin to here.
   Scene among = scene_of(
       {mesh_of(surveyed(kUtm, 3000, 50, random)), mesh_of(surveyed(kUtm, 0.1, 50, random))});
-  const auto first = importer::rebase(among.meshes, among.nodes).warnings;
+  const auto first = without_notes(importer::rebase(among.meshes, among.nodes));
   ASSERT_EQ(first.size(), 1U);
   EXPECT_EQ(first[0].kind, "precision");
   EXPECT_EQ(first[0].count, 1U);
   Scene below = scene_of({mesh_of(surveyed(kUtm, 10, 50, random)), mesh_of({{0, 0, 0.5}})});
   below.meshes[0].name = "roof";
   below.nodes[1].parent = 0;
-  const auto second = importer::rebase(below.meshes, below.nodes).warnings;
+  const auto second = without_notes(importer::rebase(below.meshes, below.nodes));
   ASSERT_EQ(second.size(), 1U);
   EXPECT_NE(second[0].message.find("mesh 'roof'"), std::string::npos) << second[0].message;
   EXPECT_NE(second[0].message.find("by up to 0.12"), std::string::npos) << second[0].message;
   Scene wide = scene_of({mesh_of({kUtm, {0, 0, 0}, {0.1, 0, 0}})});
-  EXPECT_TRUE(importer::rebase(wide.meshes, wide.nodes).warnings.empty()) << "small for its size";
+  EXPECT_TRUE(without_notes(importer::rebase(wide.meshes, wide.nodes)).empty())
+      << "small for its size";
+}
+
+TEST(Rebase, ASmallLossIsANote) {
+  tests::Random random(8);
+  const std::vector<Point> file = surveyed(kUtm, 5000, 50, random);
+  Scene scene = scene_of({mesh_of(file)});
+  const Rebased rebased = importer::rebase(scene.meshes, scene.nodes);
+  ASSERT_EQ(rebased.warnings.size(), 1U);
+  EXPECT_TRUE(rebased.warnings[0].is_note);
+  EXPECT_EQ(rebased.warnings[0].kind, "rounded");
+  double largest = 0;
+  for (std::size_t i = 0; i < file.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k)
+      largest = std::max(largest, std::abs(placed(scene, 0, i)[k] - file[i][k]));
+  EXPECT_NE(rebased.warnings[0].message.find(fmt::format("by up to {:.3g}", largest)),
+            std::string::npos)
+      << rebased.warnings[0].message << " and " << largest;
 }
 
 TEST(Rebase, AMeshThatTheLatticeDestroysGetsItsOwn) {
   tests::Random random(7);
   const std::vector<Point> box = surveyed(kUtm, 0.1, 50, random);
   Scene scene = scene_of({mesh_of({{0.1, 0, 0}, {6e6, 0, 0}, {0, 6e6, 0}}), mesh_of(box)});
-  const auto warnings = importer::rebase(scene.meshes, scene.nodes).warnings;
+  const auto warnings = without_notes(importer::rebase(scene.meshes, scene.nodes));
   ASSERT_EQ(warnings.size(), 1U);
   EXPECT_EQ(warnings[0].kind, "several_lattices");
   for (std::size_t i = 0; i < box.size(); ++i)
