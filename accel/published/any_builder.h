@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "accel/mesh/mesh_tree.h"
+#include "accel/mesh/tree_builder.h"
 #include "accel/published/bvh/bvh_builder.h"
 #include "accel/published/kd/exact_builder.h"
 #include "accel/published/kd/hunt_scan.h"

@@ -3,11 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <utility>
+
+#include "proto/printable.h"
 
 namespace sightline::client::calls {
 namespace {
@@ -77,7 +78,7 @@ Result<ChannelCredentials> ChannelCredentials::make(const Endpoint& endpoint,
   auto channel = channel_credentials(options);
   if (!channel) return channel.error();
   const std::string& token = options.token;
-  if (!std::all_of(token.begin(), token.end(), [](char c) { return c > ' ' && c <= '~'; }))
+  if (!token.empty() && !is_visible(token))
     return Error{Code::kInvalidArgument, "the token has characters other than visible ASCII", {}};
   if (!token.empty() && options.tls_ca.empty() && !endpoint.is_local()) {
     return Error{Code::kUnauthenticated,

@@ -14,6 +14,7 @@
 
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
+#include "proto/printable.h"
 
 namespace sightline::client::calls {
 namespace {
@@ -53,12 +54,6 @@ constexpr const char* kBalanced =
 std::string service_config(const Endpoint& endpoint) {
   return endpoint.is_balanced() ? fmt::format("{{{}, {}}}", kBalanced, kRetried)
                                 : fmt::format("{{{}}}", kRetried);
-}
-
-// Metadata may hold nothing else.
-bool is_visible(const std::string& text) {
-  return !text.empty() &&
-         std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c <= '~'; });
 }
 
 Code code_of(int code) {

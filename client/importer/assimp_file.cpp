@@ -15,6 +15,7 @@
 
 #include "client/importer/assimp_files.h"
 #include "client/importer/assimp_omissions.h"
+#include "client/importer/collada_contents.h"
 #include "client/importer/file_scene_from_assimp.h"
 #include "client/importer/frame.h"
 #include "client/importer/ifc_contents.h"
@@ -145,6 +146,25 @@ void use(const IfcContents& contents, FileScene& scene) {
       if (mesh < scene.meshes.size()) scene.meshes[mesh].is_solid = true;
     }
   }
+  if (contents.loose_ends > 0) {
+    scene.warnings.push_back(
+        {.kind = "loose_ends",
+         .count = contents.loose_ends,
+         .first = fmt::format("#{}", contents.first_loose),
+         .message = fmt::format("{} numbers of statements are there twice, or are named and are "
+                                "not there; the least is #{}",
+                                contents.loose_ends, contents.first_loose)});
+  }
+  if (contents.merged_corners > 0) {
+    scene.warnings.push_back(
+        {.kind = "corners_merged",
+         .count = contents.merged_corners,
+         .first = fmt::format("#{}", contents.first_merged),
+         .message = fmt::format("{} corners of its faces are so near to others, for the size of "
+                                "their shell, that Assimp takes them for one; the first shell is "
+                                "#{}",
+                                contents.merged_corners, contents.first_merged)});
+  }
   if (contents.lost_faces == 0) return;
   scene.warnings.push_back(
       {.kind = "faces_left_out",
@@ -160,6 +180,10 @@ void use(const IfcContents& contents, FileScene& scene) {
 Result<FileScene> read_with_assimp(const SceneFile& file) {
   const auto source = AssimpFile::read(file.name, file.files, file.progress);
   if (!source) return source.error();
+  const bool is_packed = file.bytes.starts_with("PK");
+  if (source->importer_name().find("Collada") != std::string::npos && !is_packed) {
+    if (const Status good = check_collada(file.bytes); !good) return good.error();
+  }
   auto scene = file_scene_from_assimp(source->scene(), source->importer_name());
   if (!scene) return scene;
   settle_omissions(source->importer_name(), file.bytes, *scene);

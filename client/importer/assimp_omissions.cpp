@@ -1,10 +1,9 @@
-// Looks for tags in Collada's text, without reading the XML around them.
+// Looks for tags in Collada's text.
 #include "client/importer/assimp_omissions.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <set>
@@ -14,54 +13,33 @@
 #include <utility>
 
 #include "client/importer/node_name.h"
+#include "client/importer/xml_tags.h"
 
 namespace sightline::client::importer {
 namespace {
 
-constexpr std::size_t kNowhere = std::string_view::npos;
-
-// The value of an attribute of a tag.
-std::string_view attribute(std::string_view tag, std::string_view name) {
-  for (std::size_t at = tag.find(name); at != kNowhere; at = tag.find(name, at + 1)) {
-    const std::size_t open = at + name.size() + 1;
-    if (at == 0 || tag[at - 1] > ' ' || open >= tag.size() || tag[open - 1] != '=') continue;
-    const char quote = tag[open];
-    if (quote != '"' && quote != '\'') continue;
-    const std::size_t end = tag.find(quote, open + 1);
-    if (end != kNowhere) return tag.substr(open + 1, end - open - 1);
-  }
-  return {};
-}
-
-// The tag from this "<" on.
-std::string_view tag_at(std::string_view text, std::size_t begin) {
-  const std::size_t end = text.find('>', begin);
-  return end == kNowhere ? std::string_view() : text.substr(begin, end - begin + 1);
-}
-
 // The contents of the first array of each source, by the source's id.
 std::unordered_map<std::string_view, std::string_view> arrays_of(std::string_view text) {
   std::unordered_map<std::string_view, std::string_view> out;
-  for (std::size_t at = text.find("<source"); at != kNowhere; at = text.find("<source", at + 1)) {
-    const std::string_view source = text.substr(at, text.find("</source", at) - at);
-    const std::size_t array = source.find("_array");
-    const std::size_t begin = array == kNowhere ? kNowhere : source.find('>', array);
-    if (begin == kNowhere) continue;
-    out.emplace(attribute(tag_at(text, at), "id"),
-                source.substr(begin + 1, source.find('<', begin) - begin - 1));
+  std::string_view source;
+  XmlTags tags(text);
+  while (const auto tag = tags.next()) {
+    if (tag->is_end) continue;
+    if (tag->name == "source") source = tag->attribute("id");
+    if (tag->name.ends_with("_array")) out.emplace(source, tag->text);
   }
   return out;
 }
 
-// The words or numbers, each once, in the arrays that inputs with this semantic name. Elements that
-// are damaged are left out.
+// The words or numbers, each once, in the arrays that inputs with this semantic name.
 std::set<std::string> inputs(std::string_view text, std::string_view semantic) {
   std::set<std::string> out;
   std::unordered_map<std::string_view, std::string_view> arrays = arrays_of(text);
-  for (std::size_t at = text.find("<input"); at != kNowhere; at = text.find("<input", at + 1)) {
-    const std::string_view tag = tag_at(text, at);
-    const std::string_view source = attribute(tag, "source");
-    if (attribute(tag, "semantic") != semantic || !source.starts_with('#')) continue;
+  XmlTags tags(text);
+  while (const auto tag = tags.next()) {
+    if (tag->name != "input" || tag->attribute("semantic") != semantic) continue;
+    const std::string_view source = tag->attribute("source");
+    if (!source.starts_with('#')) continue;
     const auto array = arrays.find(source.substr(1));
     if (array == arrays.end()) continue;
     std::istringstream words{std::string(array->second)};

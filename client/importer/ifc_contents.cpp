@@ -10,11 +10,14 @@
 #include <unordered_map>
 #include <vector>
 
+#include "client/importer/formats/text.h"
+
 namespace sightline::client::importer {
 namespace {
 
+using formats::trimmed;
+
 constexpr int kDeepest = 16;  // mapped items in mapped items
-constexpr std::string_view kSpaces = " \t\r\n";
 
 struct Statement {
   std::string_view type, arguments;
@@ -33,12 +36,6 @@ std::size_t find_outside(std::string_view text, char wanted, bool counts_depth) 
     if (c == ')') --depth;
   }
   return text.size();
-}
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(kSpaces);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kSpaces) + 1 - first);
 }
 
 // 0: no reference.
@@ -83,6 +80,22 @@ class Statements {
 
   const std::unordered_map<std::uint64_t, Statement>& all() const { return all_; }
 
+  /// Numbers that two statements have, or that one names and none has.
+  std::vector<std::uint64_t> loose_ends() const {
+    std::vector<std::uint64_t> out = repeated_;
+    for (const auto& [number, statement] : all_) {
+      std::string_view rest = statement.arguments;
+      for (std::size_t at = find_outside(rest, '#', false); at < rest.size();
+           at = find_outside(rest, '#', false)) {
+        rest.remove_prefix(at);
+        const std::uint64_t named = number_of(rest);
+        if (!all_.contains(named)) out.push_back(named);
+        rest.remove_prefix(1);
+      }
+    }
+    return out;
+  }
+
   const Statement* find(std::string_view reference) const {
     const auto found = all_.find(number_of(reference));
     return found == all_.end() ? nullptr : &found->second;
@@ -106,11 +119,13 @@ class Statements {
     const std::uint64_t number = number_of(text);
     const std::size_t equals = text.find('='), open = text.find('(');
     if (number == 0 || equals >= open || open == text.npos || !text.ends_with(')')) return;
+    if (all_.contains(number)) repeated_.push_back(number);
     all_[number] = {trimmed(text.substr(equals + 1, open - equals - 1)),
                     text.substr(open + 1, text.size() - open - 2)};
   }
 
   std::unordered_map<std::uint64_t, Statement> all_;
+  std::vector<std::uint64_t> repeated_;
 };
 
 bool is_solid(const Statements& statements, const Statement& item, int depth) {
@@ -139,8 +154,19 @@ std::array<double, 3> point_of(const Statement& point) {
   return out;
 }
 
+using Loop = std::vector<std::array<double, 3>>;
+
+Loop loop_of(const Statements& statements, const Statement& loop) {
+  Loop points;
+  statements.each_of(argument(loop, 0), [&](const Statement& point) {
+    points.push_back(point_of(point));
+    return true;
+  });
+  return points;
+}
+
 // Twice the area that the loop of points goes around.
-double double_area(const std::vector<std::array<double, 3>>& points) {
+double double_area(const Loop& points) {
   std::array<double, 3> normal{};
   for (std::size_t i = 1; i + 1 < points.size(); ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -161,14 +187,12 @@ bool is_lost(const Statements& statements, const Statement& face) {
   const bool is_known = statements.each_of(argument(face, 0), [&](const Statement& bound) {
     const Statement* const loop = statements.find(argument(bound, 0));
     if (loop == nullptr || loop->type != "IFCPOLYLOOP") return false;
-    std::vector<std::array<double, 3>> points;
+    const Loop points = loop_of(statements, *loop);
     double extent = 0;
-    statements.each_of(argument(*loop, 0), [&](const Statement& point) {
-      points.push_back(point_of(point));
+    for (const auto& point : points) {
       for (std::size_t k = 0; k < 3; ++k)
-        extent = std::max(extent, std::abs(points.back()[k] - points[0][k]));
-      return true;
-    });
+        extent = std::max(extent, std::abs(point[k] - points[0][k]));
+    }
     const double area = double_area(points);
     if (area <= kNothing * extent * extent) return true;
     ++bounds;
@@ -177,6 +201,45 @@ bool is_lost(const Statements& statements, const Statement& face) {
     return true;
   });
   return is_known && bounds > 0 && (largest < kLeastFace || (bounds > 1 && least < kLeastHole));
+}
+
+bool holds_faces(const Statement& statement) {
+  return statement.type == "IFCCLOSEDSHELL" || statement.type == "IFCOPENSHELL" ||
+         statement.type == "IFCCONNECTEDFACESET";
+}
+
+// How many corners of a shell Assimp 5.2 takes for the one before them, though they are not: those
+// that are nearer than about 3e-5 of the shell's diagonal.
+std::uint64_t count_merged(const Statements& statements, const Statement& shell) {
+  std::vector<Loop> loops;
+  statements.each_of(argument(shell, 0), [&](const Statement& face) {
+    return statements.each_of(argument(face, 0), [&](const Statement& bound) {
+      const Statement* const loop = statements.find(argument(bound, 0));
+      if (loop != nullptr && loop->type == "IFCPOLYLOOP")
+        loops.push_back(loop_of(statements, *loop));
+      return true;
+    });
+  });
+  const auto squared = [](const std::array<double, 3>& a, const std::array<double, 3>& b) {
+    const double length = std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+    return length * length;
+  };
+  std::array<double, 3> lo{HUGE_VAL, HUGE_VAL, HUGE_VAL}, hi{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+  for (const Loop& loop : loops) {
+    for (const auto& point : loop) {
+      for (std::size_t k = 0; k < 3; ++k)
+        lo[k] = std::min(lo[k], point[k]), hi[k] = std::max(hi[k], point[k]);
+    }
+  }
+  const double least = squared(lo, hi) / 1e9;
+  std::uint64_t merged = 0;
+  for (const Loop& loop : loops) {
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const double distance = squared(loop[i], loop[(i + 1) % loop.size()]);
+      if (distance > 0 && distance < least) ++merged;
+    }
+  }
+  return merged;
 }
 
 // Whether the representations named Body have solids alone, and there is one.
@@ -196,9 +259,18 @@ IfcContents ifc_contents(std::string_view step) {
   constexpr std::size_t kIdLength = 22;
   const Statements statements(step);
   IfcContents out;
+  const std::vector<std::uint64_t> loose = statements.loose_ends();
+  out.loose_ends = loose.size();
+  if (!loose.empty()) out.first_loose = *std::min_element(loose.begin(), loose.end());
   for (const auto& [number, statement] : statements.all()) {
     if (statement.type == "IFCFACE" && is_lost(statements, statement)) {
       if (out.lost_faces++ == 0 || number < out.first_lost) out.first_lost = number;
+    }
+    if (holds_faces(statement)) {
+      const std::uint64_t merged = count_merged(statements, statement);
+      if (merged > 0 && (out.merged_corners == 0 || number < out.first_merged))
+        out.first_merged = number;
+      out.merged_corners += merged;
     }
     const std::string_view id = argument(statement, 0);
     if (id.size() != kIdLength + 2 || !id.starts_with('\'')) continue;

@@ -16,6 +16,12 @@ struct IfcContents {
   /// fills
   std::uint64_t lost_faces = 0;
   std::uint64_t first_lost = 0;  ///< the number of such a statement
+  /// Corners that Assimp takes for their neighbors, as they are near for the size of their shell
+  std::uint64_t merged_corners = 0;
+  std::uint64_t first_merged = 0;  ///< the number of such a shell
+  /// Statements with a number that another one has, and names of statements that are not there
+  std::uint64_t loose_ends = 0;
+  std::uint64_t first_loose = 0;  ///< the least such number
 };
 
 /// `step` is the contents of the file. What is not understood is no solid, and not lost.

@@ -28,15 +28,6 @@ std::size_t character_length(std::string_view s) {
   return overlong || surrogate || beyond ? 0 : length;
 }
 
-bool is_utf8(std::string_view s) {
-  while (!s.empty()) {
-    const std::size_t length = character_length(s);
-    if (length == 0) return false;
-    s.remove_prefix(length);
-  }
-  return true;
-}
-
 std::string utf8_from_latin1(std::string_view s) {
   std::string out;
   for (const char raw : s) {
@@ -52,6 +43,15 @@ std::string utf8_from_latin1(std::string_view s) {
 }
 
 }  // namespace
+
+bool is_utf8(std::string_view s) {
+  while (!s.empty()) {
+    const std::size_t length = character_length(s);
+    if (length == 0) return false;
+    s.remove_prefix(length);
+  }
+  return true;
+}
 
 std::string node_name(std::string_view name, std::string_view suffix) {
   std::string out = is_utf8(name) ? std::string(name) : utf8_from_latin1(name);

@@ -22,6 +22,7 @@ inline int orientation(const PlanePoint& a, const PlanePoint& b, const PlanePoin
   // Shewchuk's bound for this expression, rounded up
   const double bound = 4e-16 * (std::abs(left) + std::abs(right));
   if (std::abs(difference) > bound) return difference > 0 ? 1 : -1;
+  if (bound == 0) return 0;  // A factor of each product is zero: those of floats do not underflow.
   return exact_orientation(a, b, c);
 }
 

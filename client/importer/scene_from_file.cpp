@@ -267,8 +267,8 @@ std::vector<ImportedMesh> convert_meshes(std::vector<FileMesh> sources,
   }
   if (crossed.count == 0) return meshes;
   crossed.message = fmt::format(
-      "{} of its polygons intersect themselves, the first in {}: parts of them are covered twice "
-      "or not at all",
+      "{} of its polygons intersect themselves, or touch themselves thousands of times, the first "
+      "in {}: parts of them are covered twice or not at all",
       crossed.count, crossed.first);
   warnings.push_back(std::move(crossed));
   return meshes;

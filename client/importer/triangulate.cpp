@@ -30,6 +30,9 @@ constexpr double kLeastPart = 0.1;
 // Of the largest coordinate: so far do the lines through float vertices lie from those of the file.
 constexpr double kRounding = 0x1p-21;
 
+// A polygon that touches itself at one place thousands of times would take quadratic time.
+constexpr std::size_t kMostLooks = 1000;  // at other corners, for each corner of the polygon
+
 bool is_finite(const Vertex& v) {
   return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
 }
@@ -61,6 +64,18 @@ std::array<double, 3> normal_of(const std::vector<Vertex>& vertices,
   return normal;
 }
 
+// Twice the area of triangles, each of three of the corners.
+double area_of(const std::vector<Vertex>& vertices, std::span<const std::uint32_t> corners,
+               const std::vector<std::array<Corner, 3>>& triangles) {
+  double sum = 0;
+  for (const auto& [a, b, c] : triangles) {
+    const std::array<double, 3> normal =
+        normal_of(vertices, std::array{corners[a], corners[b], corners[c]});
+    sum += std::hypot(normal[0], normal[1], normal[2]);
+  }
+  return sum;
+}
+
 // The order along a line, from left to right.
 bool is_before(const PlanePoint& a, const PlanePoint& b) {
   return a.x < b.x || (a.x == b.x && a.y < b.y);
@@ -76,6 +91,9 @@ class Triangulator::Work {
     kFlat,   // All corners are on a line.
     kStuck,  // It intersects itself.
   };
+
+  void begin(std::size_t corners) { looks_left_ = kMostLooks * corners; }
+  bool gave_up() const { return looks_left_ == 0; }
 
   void project(const std::vector<Vertex>& vertices, std::span<const std::uint32_t> corners,
                std::size_t axis) {
@@ -124,13 +142,13 @@ class Triangulator::Work {
     return Outcome::kStuck;
   }
 
-  // Cuts what is left, at any corner if need be.
+  // Cuts what is left, at any corner if need be. The queue has all of them, and again each one
+  // whose neighbor was cut off, so that one look at each entry finds every convex corner.
   void cut_rest() {
-    while (left_ >= 3) {
-      Corner corner = any_;
-      for (std::size_t i = 0; i < left_ && turn_at(corner) <= 0; ++i) corner = next_[corner];
-      cut_off(corner);
-      cut_ears(false);
+    for (std::size_t looked_at = 0; left_ >= 3; cut_ears(false)) {
+      const auto is_convex = [&](Corner corner) { return is_left_[corner] && turn_at(corner) > 0; };
+      while (looked_at < queue_.size() && !is_convex(queue_[looked_at])) ++looked_at;
+      cut_off(looked_at < queue_.size() ? queue_[looked_at] : any_);
     }
   }
 
@@ -252,13 +270,15 @@ class Triangulator::Work {
   }
 
   // Whether the edge from the previous to the next corner lies inside of the polygon.
-  bool is_ear(Corner b, bool is_strict) const {
+  bool is_ear(Corner b, bool is_strict) {
     const Corner a = previous_[b], c = next_[b];
     if (turn(a, b, c) <= 0) return false;
     if (turn_at(a) > 0 && turn(previous_[a], a, c) < 0) return false;
     if (turn_at(c) > 0 && turn(a, c, next_[c]) < 0) return false;
     // If any corner is in the triangle, one that is not convex is there.
     return !tree_.any(at(a), at(b), at(c), [&](Corner other) {
+      if (looks_left_ == 0) return true;
+      --looks_left_;
       return other != a && other != b && other != c && is_in_way(other, {a, b, c}, is_strict);
     });
   }
@@ -267,8 +287,9 @@ class Triangulator::Work {
   // touch the triangle are not, except at the new edge, where they would lie on an edge later.
   bool is_in_way(Corner v, const std::array<Corner, 3>& triangle, bool is_strict) const {
     const auto [a, b, c] = triangle;
+    if (at(v) == at(a) || at(v) == at(c)) return false;
     const int of_ab = turn(a, b, v), of_bc = turn(b, c, v), of_ca = turn(c, a, v);
-    if (of_ab < 0 || of_bc < 0 || of_ca < 0 || at(v) == at(a) || at(v) == at(c)) return false;
+    if (of_ab < 0 || of_bc < 0 || of_ca < 0) return false;
     if (of_ca == 0 && is_strict) return true;
     for (const Corner to : {previous_[v], next_[v]}) {
       if ((of_ab > 0 || turn(a, b, to) > 0) && (of_bc > 0 || turn(b, c, to) > 0) &&
@@ -285,6 +306,7 @@ class Triangulator::Work {
   std::vector<Corner> queue_;
   std::size_t head_ = 0;
   std::size_t left_ = 0;
+  std::size_t looks_left_ = 0;
   Corner any_ = 0;  // one that is left
   PointTree tree_;  // the corners that are not convex
   std::vector<std::array<Corner, 3>> triangles_;
@@ -319,22 +341,29 @@ bool Triangulator::cut(std::span<const std::uint32_t> corners, std::vector<Face>
                    [&](std::size_t a, std::size_t b) { return part(a) > part(b); });
   const double least = kRounding * largest_coordinate(vertices_, corners);
   std::optional<std::size_t> stuck;
+  work_->begin(n);
+  std::size_t flattest = axes[0];
+  double least_area = HUGE_VAL;
   for (const std::size_t axis : axes) {
     if (part(axis) < kLeastPart * part(axes[0])) break;
     work_->project(vertices_, corners, axis);
     if (const auto first = work_->fan()) return add_fan(*first);
     const Work::Outcome outcome = work_->cut();
     if (outcome == Work::Outcome::kStuck && !stuck) stuck = axis;
+    if (outcome == Work::Outcome::kFlat) {
+      const double area = area_of(vertices_, corners, work_->triangles());
+      if (area < least_area) least_area = area, flattest = axis;
+    }
     if (outcome != Work::Outcome::kCovered) continue;
     add_triangles();
     return !work_->crosses_itself(least);
   }
-  if (!stuck) return add_fan(0);  // without area
-  work_->project(vertices_, corners, *stuck);
+  // A polygon without area is cut where its triangles have the least, which is none.
+  work_->project(vertices_, corners, stuck.value_or(flattest));
   work_->cut();
   work_->cut_rest();
   add_triangles();
-  return !work_->crosses_itself(least);
+  return !work_->gave_up() && !work_->crosses_itself(least);
 }
 
 }  // namespace sightline::client::importer

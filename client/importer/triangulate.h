@@ -26,9 +26,11 @@ class Triangulator {
   /// where an edge leads to a hole and back; triangles without area stand for corners that cover
   /// nothing. All triangles of a polygon with a vertex that is not finite have such a vertex.
   /// Returns whether the polygon does not intersect itself, by more than the rounding of floats. If
-  /// it does, the triangles have its corners and its outline, and overlap. Crossings of a polygon
-  /// of tens of thousands of edges that are near each other all along may stay unnoticed. Decisions
-  /// are exact. A convex polygon takes O(n) time, others O(n log n), as a rule.
+  /// it does, the triangles have its corners and its outline, and overlap. So they may if it
+  /// touches itself at one place thousands of times, where finding out would take quadratic time:
+  /// this returns false, too. Crossings of a polygon of tens of thousands of edges that are near
+  /// each other all along may stay unnoticed. Decisions are exact. A convex polygon takes O(n)
+  /// time, others O(n log n), as a rule, and at most a number of steps for each corner.
   bool cut(std::span<const std::uint32_t> corners, std::vector<Face>& faces);
 
  private:

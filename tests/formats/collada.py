@@ -4,6 +4,8 @@ import math
 import re
 import xml.etree.ElementTree
 
+from measures import Damaged, Measures, Unknown, picked
+
 IDENTITY = [[1.0, 0, 0, 0], [0, 1.0, 0, 0], [0, 0, 1.0, 0], [0, 0, 0, 1.0]]
 
 
@@ -12,7 +14,8 @@ def product(a, b):
 
 
 def numbers(text):
-    return [float(word) for word in (text or "").split()]
+    """Some programs write decimal commas."""
+    return [float(word.replace(",", ".", 1)) for word in (text or "").split()]
 
 
 def integers(element):
@@ -30,6 +33,8 @@ def turn(x, y, z, degrees):
 
 def transform(element):
     n, tag = numbers(element.text), element.tag
+    if len(n) != {"matrix": 16, "translate": 3, "scale": 3, "rotate": 4}.get(tag, len(n)):
+        raise Damaged(f"{tag} of {len(n)} numbers")
     if tag == "matrix":
         return [n[4 * r:4 * r + 4] for r in range(4)]
     if tag == "translate":
@@ -41,20 +46,17 @@ def transform(element):
     return None
 
 
-class Unknown(Exception):
-    """The file has what this reader does not understand."""
-
-
 class Reader:
     def __init__(self, text):
         text = re.sub(r'\sxmlns="[^"]*"', "", text, count=1)
+        text = re.sub(r"^\ufeff?\s*<\?xml.*?\?>", "", text, flags=re.DOTALL)  # it is in UTF-8 here
         self.root = xml.etree.ElementTree.fromstring(text)
         self.by_id = {e.get("id"): e for e in self.root.iter() if e.get("id")}
         self.geometries = {}
         self.has_skins = False
         self.polygons = []  # lists of points in the world
         unit = self.root.find("asset/unit")
-        self.meters = float(unit.get("meter", 1)) if unit is not None else 1.0
+        self.meters = float(unit.get("meter", "1").replace(",", ".")) if unit is not None else 1.0
         self.up = (self.root.findtext("asset/up_axis") or "Y_UP").strip()
         scene = self.root.find("scene/instance_visual_scene")
         if scene is None:
@@ -106,12 +108,12 @@ class Reader:
         source = next((self.named(i.get("source")) for i in vertices.findall("input") if i.get("semantic") == "POSITION"), None)
         if source is None:
             raise Unknown("no positions")
-        values = numbers(source.findtext("float_array"))
         accessor = source.find("technique_common/accessor")
+        values = numbers(self.named(accessor.get("source")).text)
         stride, offset = int(accessor.get("stride", 1)), int(accessor.get("offset", 0))
         names = [p.get("name") for p in accessor.findall("param")]
         axes = [names.index(n) for n in "XYZ"] if all(n in names for n in "XYZ") else [0, 1, 2]
-        return [tuple(values[offset + i * stride + k] for k in axes) for i in range(int(accessor.get("count")))]
+        return [tuple(picked(values, offset + i * stride + k) for k in axes) for i in range(int(accessor.get("count")))]
 
     def faces(self, mesh):
         if mesh is None:
@@ -123,7 +125,7 @@ class Reader:
             stride = max((int(i.get("offset", 0)) for i in inputs), default=0) + 1
             vertex = next(i for i in inputs if i.get("semantic") == "VERTEX")
             points, at = self.positions(mesh, vertex.get("source")), int(vertex.get("offset", 0))
-            lists = [[points[k] for k in integers(p)[at::stride]] for p in primitive.findall("p")]
+            lists = [[picked(points, k) for k in integers(p)[at::stride]] for p in primitive.findall("p")]
             if primitive.find("ph") is not None:
                 raise Unknown("holes")
             if primitive.tag == "polygons":
@@ -132,23 +134,25 @@ class Reader:
                 for corners in lists:
                     yield from (corners[i:i + 3] for i in range(0, len(corners) - 2, 3))
             elif primitive.tag == "polylist":
+                counts = integers(primitive.find("vcount"))
+                if sum(counts) > sum(map(len, lists)):
+                    raise Damaged("polygons have more corners than there are")
                 first = 0
-                for count in integers(primitive.find("vcount")):
+                for count in counts:
                     if count > 2:
                         yield lists[0][first:first + count]
                     first += count
             else:
                 for corners in lists:
                     for i in range(len(corners) - 2):
-                        yield [corners[0 if primitive.tag == "trifans" else i], corners[i + 1], corners[i + 2]]
+                        if primitive.tag == "trifans":
+                            yield [corners[0], corners[i + 1], corners[i + 2]]
+                        else:
+                            yield [corners[i + i % 2], corners[i + 1 - i % 2], corners[i + 2]]
 
 
-def area(polygon):
-    """Of a plane polygon."""
-    x, y, z = polygon[0]
-    sums = [0.0, 0.0, 0.0]
-    for p, q in zip(polygon[1:], polygon[2:]):
-        a, b = (p[0] - x, p[1] - y, p[2] - z), (q[0] - x, q[1] - y, q[2] - z)
-        for k in range(3):
-            sums[k] += a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3]
-    return math.sqrt(sum(s * s for s in sums)) / 2
+def measures(data, _=None):
+    read = Reader(data.decode(errors="replace"))
+    if read.up == "X_UP":
+        raise Unknown("the x axis is up")
+    return Measures(read.polygons, not read.has_skins)

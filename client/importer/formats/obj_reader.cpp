@@ -27,7 +27,8 @@ struct Line {
   bool is_ended = true;
 };
 
-// Lines that end with a backslash are continued by the next one.
+// Lines that end with a backslash are continued by the next one. Comments are not, as programs
+// differ on them: a comment with a folder of Windows would take the next statement away.
 class Lines {
  public:
   explicit Lines(std::string_view text) : cursor_(text) {}
@@ -38,7 +39,8 @@ class Lines {
   Line next() {
     const std::uint64_t number = cursor_.line();
     std::string_view text = cursor_.rest_of_line();
-    if (!text.ends_with('\\')) return {text, number, cursor_.was_ended()};
+    if (!text.ends_with('\\') || trimmed(text).starts_with('#'))
+      return {text, number, cursor_.was_ended()};
     joined_.clear();
     while (text.ends_with('\\') && cursor_.was_ended()) {
       joined_.append(text.substr(0, text.size() - 1)).push_back(' ');
@@ -160,9 +162,14 @@ class ObjReader {
     }
     if (vertices_.size() == kMost) return error(fmt::format("more than {} vertices", kMost));
     vertices_.push_back(position);
-    const std::string_view weight = take_value(rest);
-    if (!weight.empty() && take_value(rest).empty() && number(weight).value_or(1) != 1)
-      unread_.weight(line_.number);
+    std::size_t more = 0;
+    double weight = 1;
+    for (std::string_view word = take_value(rest); !word.empty(); word = take_value(rest)) {
+      const auto value = number(word);
+      if (!value) return error(not_a_number(word));
+      if (more++ == 0) weight = *value;
+    }
+    if (more == 1 && weight != 1) unread_.weight(line_.number);
     return {};
   }
 

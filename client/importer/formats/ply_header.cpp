@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
+#include <unordered_set>
 #include <utility>
 
 #include "client/importer/formats/text.h"
@@ -110,9 +112,8 @@ class HeaderReader {
                       shown(element.name), shown(count)));
     }
     element.count = static_cast<std::uint64_t>(*value);
-    const bool is_known = std::any_of(header_.elements.begin(), header_.elements.end(),
-                                      [&](const PlyElement& e) { return e.name == element.name; });
-    if (is_known) return import_error(fmt::format("a second element '{}'", shown(element.name)));
+    if (!elements_.insert(element.name).second)
+      return import_error(fmt::format("a second element '{}'", shown(element.name)));
     announced_ += std::min(element.count, kEnough);
     header_.elements.push_back(std::move(element));
     return {};
@@ -133,7 +134,16 @@ class HeaderReader {
     if (!type) return unknown_type(word);
     property.type = *type;
     property.name = take_word(rest);
-    header_.elements.back().properties.push_back(std::move(property));
+    if (property.name.empty()) return import_error("a property without a name");
+    PlyElement& element = header_.elements.back();
+    constexpr std::string_view kRead[] = {"x", "y", "z", "vertex_indices", "vertex_index"};
+    const bool is_read =
+        std::find(std::begin(kRead), std::end(kRead), property.name) != std::end(kRead);
+    if (is_read && element.find(property.name) < element.properties.size()) {
+      return import_error(fmt::format("a second property '{}' of the element '{}'",
+                                      shown(property.name), shown(element.name)));
+    }
+    element.properties.push_back(std::move(property));
     return {};
   }
 
@@ -161,6 +171,7 @@ class HeaderReader {
   bool is_at_end_ = false, has_format_ = false;
   std::uint64_t announced_ = 0;
   PlyHeader header_;
+  std::unordered_set<std::string> elements_;  // their names
 };
 
 }  // namespace

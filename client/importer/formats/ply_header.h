@@ -55,8 +55,8 @@ struct PlyHeader {
 /// Types may have their old or their new names. A binary body begins right after the line end of
 /// end_header, whatever its first byte is: lines end with CR only if the first one does. Errors:
 /// kInvalidArgument: the file does not begin with "ply", the header has no end within a mebibyte,
-/// no format, or a line that is not understood; it announces more elements than the file has
-/// bytes.
+/// no format, a name that is there twice, or a line that is not understood; it announces more
+/// elements than the file has bytes.
 Result<PlyHeader> read_ply_header(std::string_view file);
 
 }  // namespace sightline::client::importer::formats

@@ -48,6 +48,12 @@ class PlyReader {
           {"surplus_bytes", *surplus, "",
            fmt::format("{} bytes follow its last element and are not read", *surplus)});
     }
+    if (const std::uint64_t line = values_.long_line(); line > 0) {
+      scene.warnings.push_back(
+          {"line_breaks", 1, fmt::format("line {}", line),
+           fmt::format("line {} has more values than its element: the next element begins on it",
+                       line)});
+    }
     scene.meshes.push_back(std::move(mesh_));
     scene.nodes.push_back({.name = {}, .meshes = {0}});
     return scene;

@@ -31,6 +31,9 @@ class PlyValues {
   /// What follows the last element. Errors: kInvalidArgument: text with lines that have more
   /// values than their elements have properties.
   Result<std::uint64_t> surplus_bytes();
+  /// Of a text, the first line on which another element begins after one; 0: there is none. Text
+  /// may be broken anywhere, or a value may be missing or too many.
+  std::uint64_t long_line() const { return long_line_; }
 
  private:
   bool is_ascii() const { return format_ == PlyFormat::kAscii; }
@@ -42,7 +45,7 @@ class PlyValues {
   std::size_t at_;   // in a binary file
   TextCursor text_;  // in a text
   std::uint64_t missing_ = 0;
-  std::uint64_t long_line_ = 0;  // the first line with another element after one; 0: none
+  std::uint64_t long_line_ = 0;
   std::string bad_;
 };
 

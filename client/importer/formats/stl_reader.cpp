@@ -19,7 +19,8 @@ namespace {
 constexpr std::size_t kHeader = 84;  // the last four bytes are the number of facets
 constexpr std::size_t kFacet = 50;   // a normal, three vertices, two bytes
 constexpr std::size_t kNormal = 12;
-constexpr std::size_t kLooked = 4096;           // bytes, to tell text from binary
+constexpr std::size_t kLooked = 4096;  // bytes, to tell text from binary
+constexpr std::uint64_t kMostFacets = 0xFFFFFFF0 / 3;
 constexpr std::uint32_t kUnknown = 0xFFFFFFFF;  // written by programs that do not know the number
 
 template <class T>
@@ -82,6 +83,7 @@ Result<FileScene> read_binary(const SceneFile& file) {
   FileScene scene;
   const auto count = facets_of(file.bytes, scene.warnings);
   if (!count) return count.error();
+  if (*count > kMostFacets) return import_error(fmt::format("more than {} facets", kMostFacets));
   FileMesh mesh;
   mesh.vertices.reserve(3 * *count);
   ReadProgress progress(file);

@@ -24,22 +24,54 @@ std::string next_keyword(TextCursor& text) {
   return word;
 }
 
+bool has_facet_on_line(TextCursor text) {
+  if (!text.has_word_on_line() || in_lower_case(text.word()) != "facet") return false;
+  return text.has_word_on_line() && in_lower_case(text.word()) == "normal";
+}
+
 // A name ends with its line, or before a facet on the same line.
-std::string_view take_name(TextCursor& text) {
-  TextCursor after = text;
-  const std::string_view line = after.rest_of_line();
-  std::string_view rest = line;
-  for (std::size_t words = 0; !trimmed(rest).empty(); ++words) {
-    const std::size_t begin = line.size() - rest.size();
-    if (in_lower_case(take_word(rest)) != "facet") continue;
-    std::string_view next = rest;
-    if (in_lower_case(take_word(next)) != "normal") continue;
-    for (; words > 0; --words) text.word();
-    return trimmed(line.substr(0, begin));
+std::string_view take_name(std::string_view bytes, TextCursor& text) {
+  const std::size_t begin = text.at();
+  while (text.has_word_on_line() && !has_facet_on_line(text)) text.word();
+  const std::size_t end = text.at();
+  return trimmed(bytes.substr(begin, end - begin));
+}
+
+// The name after endsolid, and on the same line there may be the next solid and its name.
+std::string_view take_next_solid(std::string_view bytes, TextCursor& text) {
+  std::string_view line = take_name(bytes, text);
+  if (!text.has_word_on_line()) return {};
+  while (!line.empty() && in_lower_case(take_word(line)) != "solid") {
   }
-  text = after;
   return trimmed(line);
 }
+
+// The words of a facet but its vertices: normal and three numbers, outer loop, endloop, each once,
+// and none must be there.
+class FacetWords {
+ public:
+  /// `word` in lower case, after this number of vertices.
+  bool is_in_order(const std::string& word, std::size_t vertices) {
+    if (word == "vertex") return !is_closed_;
+    if (word == "endloop") return vertices > 0 && !std::exchange(is_closed_, true);
+    if (vertices > 0) return false;
+    if (normal_ > 0 && normal_ < kNormal && begins_as_number(word)) return normal_++ > 0;
+    if (word == "normal") return normal_++ == 0 && !is_outer_;
+    if (word == "outer") return !std::exchange(is_outer_, true);
+    return word == "loop" && is_outer_ && !std::exchange(is_loop_, true);
+  }
+
+ private:
+  // Normals are not read, and are often no numbers: nan, -1.#IND, inf.
+  static bool begins_as_number(const std::string& word) {
+    return word.find_first_of("+-.0123456789ni") == 0 && word != "normal";
+  }
+
+  static constexpr int kNormal = 4;  // the word and three numbers
+
+  int normal_ = 0;  // how many words of it were read
+  bool is_outer_ = false, is_loop_ = false, is_closed_ = false;
+};
 
 class StlTextReader {
  public:
@@ -59,20 +91,20 @@ class StlTextReader {
   Status read_statement(const std::string& keyword) {
     if (keyword == "facet") return read_facet();
     if (keyword == "solid") {
-      begin_solid(std::string(take_name(text_)));
+      begin_solid(take_name(file_.bytes, text_));
     } else if (keyword == "endsolid") {
       is_open_ = false;
-      text_.rest_of_line();
+      const std::string_view name = take_next_solid(file_.bytes, text_);
+      if (text_.has_word_on_line()) begin_solid(name);
     } else {
-      if (unknown_++ == 0)
-        first_unknown_ = fmt::format("line {}: {}", text_.line(), shown(keyword));
+      note_unknown(keyword);
       text_.rest_of_line();
     }
     return {};
   }
 
-  void begin_solid(std::string name) {
-    meshes_.emplace_back().name = std::move(name);
+  void begin_solid(std::string_view name) {
+    meshes_.emplace_back().name = name;
     is_open_ = true;
   }
 
@@ -81,6 +113,7 @@ class StlTextReader {
     if (meshes_.empty() || !is_open_) begin_solid({});
     const std::uint64_t line = text_.line();
     std::vector<Point> corners;
+    FacetWords words;
     for (std::string keyword = next_keyword(text_); keyword != "endfacet";
          keyword = next_keyword(text_)) {
       if (keyword.empty()) return {};
@@ -88,6 +121,7 @@ class StlTextReader {
         return import_error(
             fmt::format("line {}: '{}' before the end of a facet", text_.line(), keyword));
       }
+      if (!words.is_in_order(keyword, corners.size())) note_unknown(keyword);
       if (keyword != "vertex") continue;
       if (text_.is_at_end()) return {};
       if (Status good = read_vertex(corners.emplace_back()); !good) {
@@ -107,6 +141,10 @@ class StlTextReader {
     return {};
   }
 
+  void note_unknown(const std::string& word) {
+    if (unknown_++ == 0) first_unknown_ = fmt::format("line {}: {}", text_.line(), shown(word));
+  }
+
   Status read_vertex(Point& vertex) {
     for (double& x : vertex) {
       const std::string_view word = text_.word();
@@ -122,7 +160,7 @@ class StlTextReader {
     if (unknown_ > 0) {
       scene.warnings.push_back(
           {"unknown_statements", unknown_, first_unknown_,
-           fmt::format("{} lines begin with an unknown word and are not read (first in {})",
+           fmt::format("{} words are not where STL has them and are not read (first in {})",
                        unknown_, first_unknown_)});
     }
     if (is_open_) {

@@ -3,8 +3,12 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <set>
 #include <string>
+#include <unordered_map>
 #include <utility>
+#include <vector>
 
 namespace sightline::client::importer::gltf {
 namespace {
@@ -37,6 +41,8 @@ class AnimationReader {
   Animation read(const Item& item) {
     Animation out;
     out.name = item.text("name");
+    targets_.clear();
+    channel_of_node_.clear();
     const std::vector<Item> samplers = item.objects("samplers");
     for (const Item& channel : item.objects("channels")) {
       const std::uint64_t sampler = channel.integer("sampler");
@@ -64,6 +70,7 @@ class AnimationReader {
     const Item node = document_.at("nodes", gltf, target.where());
     if (nodes_.from_gltf[gltf] == kNone) return;
     if (path == "weights") {
+      warn_if_again(target, gltf, path);
       read_weights(node, gltf, sampler, out);
       return;
     }
@@ -74,16 +81,25 @@ class AnimationReader {
                        node.where()));
       return;
     }
+    warn_if_again(target, gltf, path);
     NodeChannel& channel = channel_of(nodes_.from_gltf[gltf], rest, out);
     if (path == "translation") channel.positions = points(sampler, out);
     if (path == "scale") channel.scalings = points(sampler, out);
     if (path == "rotation") channel.rotations = rotations(sampler, out);
   }
 
-  static NodeChannel& channel_of(std::uint32_t node, const LocalTransform& rest, Animation& out) {
-    const auto known = std::find_if(out.channels.begin(), out.channels.end(),
-                                    [&](const NodeChannel& c) { return c.node == node; });
-    if (known != out.channels.end()) return *known;
+  void warn_if_again(const Item& target, std::uint64_t node, const std::string& path) {
+    if (targets_.emplace(node, path).second) return;
+    warn(
+        "animated_twice", target,
+        fmt::format("animates the {} of nodes[{}] once more; glTF forbids that, and one of the two "
+                    "is played",
+                    path, node));
+  }
+
+  NodeChannel& channel_of(std::uint32_t node, const LocalTransform& rest, Animation& out) {
+    const auto [known, is_new] = channel_of_node_.emplace(node, out.channels.size());
+    if (!is_new) return out.channels[known->second];
     NodeChannel channel;
     channel.node = node;
     channel.positions.keys = {{0, rest.translation}};
@@ -169,6 +185,9 @@ class AnimationReader {
   const Meshes& meshes_;
   const Nodes& nodes_;
   std::vector<Warning>& warnings_;
+  // Of the animation that is read:
+  std::set<std::pair<std::uint64_t, std::string>> targets_;
+  std::unordered_map<std::uint32_t, std::size_t> channel_of_node_;  // in its list of channels
 };
 
 }  // namespace

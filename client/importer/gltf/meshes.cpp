@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "client/importer/gltf/nodes.h"
 #include "client/importer/gltf/primitive.h"
 
 namespace sightline::client::importer::gltf {
@@ -37,15 +38,11 @@ std::vector<double> weights_of(const Item& node, const Item& mesh) {
   return weights;
 }
 
-Transform affine_of(const std::array<double, 16>& columns, const std::string& where) {
-  Transform rows{};
-  for (std::size_t r = 0; r < 3; ++r) {
-    for (std::size_t c = 0; c < 4; ++c) rows[4 * r + c] = columns[4 * c + r];
-  }
-  for (const double x : rows) {
+Transform bone_of(const std::array<double, 16>& inverse_bind, const std::string& where) {
+  for (const double x : inverse_bind) {
     if (!std::isfinite(x)) refuse("{}: an inverse bind matrix holds {}", where, x);
   }
-  return rows;
+  return affine_of(inverse_bind, where + ": the last row of an inverse bind matrix");
 }
 
 }  // namespace
@@ -68,6 +65,7 @@ std::vector<std::uint32_t> Meshes::read(const Item& mesh, const Use& use) {
   std::string name = mesh.text("name");
   if (name.empty()) name = fmt::format("meshes[{}]", std::get<0>(use));
   const std::vector<Item> primitives = mesh.objects("primitives");
+  if (primitives.empty()) warn("no_primitives", mesh, "has no primitives, so that it is empty");
   std::vector<std::uint32_t> out;
   for (std::size_t p = 0; p < primitives.size(); ++p) {
     FileMesh read = read_primitive(primitives[p], use);
@@ -120,7 +118,7 @@ std::vector<Skin::Bone> Meshes::bones(std::uint64_t skin, const std::string& by)
     const std::uint32_t node = from_gltf_[joints[j]];
     if (node == kNone)
       refuse("{}: its joint nodes[{}] is not in the scene", item.where(), joints[j]);
-    out.push_back({node, inverses.empty() ? kIdentity : affine_of(inverses[j], item.where())});
+    out.push_back({node, inverses.empty() ? kIdentity : bone_of(inverses[j], item.where())});
   }
   return out;
 }

@@ -202,20 +202,24 @@ Quaternion rotation_of(const std::array<double, 4>& xyzw) {
   return out;
 }
 
+Transform affine_of(const std::array<double, 16>& columns, const std::string& last_row) {
+  const std::array<double, 16>& m = columns;
+  if (std::abs(m[3]) + std::abs(m[7]) + std::abs(m[11]) + std::abs(m[15] - 1) > kAffine)
+    refuse("{} is {} {} {} {}, must be 0 0 0 1", last_row, m[3], m[7], m[11], m[15]);
+  Transform rows{};
+  for (std::size_t r = 0; r < 3; ++r) {
+    for (std::size_t c = 0; c < 4; ++c) rows[4 * r + c] = m[4 * c + r];
+  }
+  return rows;
+}
+
 LocalTransform local_transform(const Item& node) {
   LocalTransform out;
   if (const auto columns = node.numbers<16>("matrix")) {
     if (node.has("translation") || node.has("rotation") || node.has("scale"))
       refuse("{} has a matrix and also a translation, a rotation or a scale", node.where());
-    const std::array<double, 16>& m = *columns;
-    if (std::abs(m[3]) + std::abs(m[7]) + std::abs(m[11]) + std::abs(m[15] - 1) > kAffine) {
-      refuse("{}: the last row of its matrix is {} {} {} {}, must be 0 0 0 1", node.where(), m[3],
-             m[7], m[11], m[15]);
-    }
     out.has_matrix = true;
-    for (std::size_t r = 0; r < 3; ++r) {
-      for (std::size_t c = 0; c < 4; ++c) out.matrix[4 * r + c] = m[4 * c + r];
-    }
+    out.matrix = affine_of(*columns, node.where() + ": the last row of its matrix");
     return out;
   }
   if (const auto translation = node.numbers<3>("translation")) out.translation = *translation;

@@ -1,7 +1,9 @@
 // The nodes of a glTF file's scene. Internal to the importer.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "client/importer/animation.h"
@@ -25,6 +27,10 @@ struct Nodes {
   };
   std::vector<Carrier> carriers;  ///< of the nodes that can be seen
 };
+
+/// The rows of a matrix that is stored by columns. Refuses one whose last row is not 0 0 0 1;
+/// `last_row` begins the message.
+Transform affine_of(const std::array<double, 16>& columns, const std::string& last_row);
 
 /// A node's own transform. Refuses a matrix that is not affine.
 struct LocalTransform {

@@ -2,6 +2,7 @@
 #include "client/importer/gltf/primitive.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -163,7 +164,9 @@ Skin Primitive::skin(std::vector<Skin::Bone> bones, std::size_t vertices) {
         const double weight = weights[set][v][k], joint = joints[set][v][k];
         if (!(weight >= 0 && weight < kMostWeight))
           refuse("{}: vertex {} has the weight {}", item_.where(), v, weight);
-        if (weight > 0 && !(joint >= 0 && joint < static_cast<double>(bones.size()))) {
+        const bool is_joint =
+            joint >= 0 && joint < static_cast<double>(bones.size()) && joint == std::floor(joint);
+        if (weight > 0 && !is_joint) {
           refuse("{}: vertex {} names joint {}, but the skin has {}", item_.where(), v, joint,
                  bones.size());
         }

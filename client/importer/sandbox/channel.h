@@ -34,7 +34,8 @@ struct Request {
 
 /// To the confined process. A file that was opened comes with it.
 struct Reply {
-  std::uint64_t bytes = 0;  ///< size of the file
+  std::uint64_t bytes = 0;   ///< size of the file
+  std::uint64_t number = 0;  ///< of the file, whatever its name
 };
 
 struct Channel {

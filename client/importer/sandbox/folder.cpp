@@ -11,6 +11,8 @@
 #include <cerrno>
 #include <system_error>
 
+#include "client/importer/sandbox/stored_bytes.h"
+
 namespace sightline::client::importer::sandbox {
 namespace {
 
@@ -56,18 +58,18 @@ Result<FileHandle> open_regular(const std::filesystem::path& file) {
   return opened;
 }
 
-Result<SceneFolder> SceneFolder::open(const std::filesystem::path& file) {
+Result<SceneFolder> SceneFolder::open(const std::filesystem::path& file, const Allowance& memory) {
   auto scene = open_regular(file);
   if (!scene) return scene.error();
   const std::filesystem::path parent = file.has_parent_path() ? file.parent_path() : ".";
   FileHandle folder(::open(parent.c_str(), kLook | O_DIRECTORY));
   if (!folder) return file_error(parent, std::generic_category().message(errno));
-  return SceneFolder(file.filename().string(), std::move(folder), *std::move(scene));
+  return SceneFolder(file.filename().string(), std::move(folder), *std::move(scene), memory);
 }
 
 std::optional<OpenedFile> SceneFolder::open_file(const std::string& name) {
   if (name == name_ || name == "./" + name_)
-    return measured(FileHandle(::fcntl(scene_.get(), F_DUPFD_CLOEXEC, 0)));
+    return measured(name, FileHandle(::fcntl(scene_.get(), F_DUPFD_CLOEXEC, 0)));
   const FileHandle seen = open_below(folder_, name, kLook);
   if (!seen) {
     if (errno == EXDEV || errno == ELOOP) refuse(name, "is outside the folder of the scene file");
@@ -80,18 +82,31 @@ std::optional<OpenedFile> SceneFolder::open_file(const std::string& name) {
   }
   FileHandle opened = open_below(folder_, name, kRead);
   if (!opened || oddity(opened) != nullptr) return {};
-  return measured(std::move(opened));
+  return measured(name, std::move(opened));
 }
 
-std::optional<OpenedFile> SceneFolder::measured(FileHandle file) {
+std::optional<OpenedFile> SceneFolder::measured(const std::string& name, FileHandle file) {
   struct stat status {};
   if (!file || ::fstat(file.get(), &status) != 0) return {};
-  const auto bytes = static_cast<std::uint64_t>(status.st_size);
-  if (seen_.emplace(status.st_dev, status.st_ino).second) bytes_ += bytes;
-  return OpenedFile{std::move(file), bytes};
+  const auto size = static_cast<std::uint64_t>(status.st_size);
+  const std::pair<std::uint64_t, std::uint64_t> identity{status.st_dev, status.st_ino};
+  if (const auto seen = seen_.find(identity); seen != seen_.end())
+    return OpenedFile{std::move(file), size, seen->second};
+  const std::uint64_t stored = stored_bytes(file.get(), size);
+  // The pages of a hole take memory when they are read.
+  const std::uint64_t most = memory_.of(bytes_ + stored);
+  if (size > stored && (sizes_ > most || size > most - sizes_)) {
+    refuse(name, fmt::format("is a hole: of its {} bytes {} are stored", size, stored));
+    return {};
+  }
+  bytes_ += stored;
+  sizes_ += size;
+  const std::uint64_t number = seen_.size();
+  seen_.emplace(identity, number);
+  return OpenedFile{std::move(file), size, number};
 }
 
-void SceneFolder::refuse(const std::string& name, const char* why) {
+void SceneFolder::refuse(const std::string& name, std::string_view why) {
   const std::string plain = std::filesystem::path(name).lexically_normal().string();
   std::string refusal = fmt::format("it names '{}', which {}", plain, why);
   const bool is_new = std::find(refusals_.begin(), refusals_.end(), refusal) == refusals_.end();

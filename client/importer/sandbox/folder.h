@@ -4,12 +4,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
-#include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "client/importer/sandbox/allowance.h"
 #include "client/importer/sandbox/file_handle.h"
 #include "client/result.h"
 
@@ -25,35 +27,43 @@ Result<FileHandle> open_regular(const std::filesystem::path& file);
 
 struct OpenedFile {
   FileHandle handle;
-  std::uint64_t bytes = 0;
+  std::uint64_t bytes = 0;   ///< its size, holes included
+  std::uint64_t number = 0;  ///< the same for the same file, whatever its name
 };
 
 /// What a scene file may read: itself, and regular files in its folder and the folders below.
 /// Symbolic links are followed as long as they stay there.
 class SceneFolder {
  public:
-  /// Opens the scene file itself, at any path. Errors: those of open_regular.
-  static Result<SceneFolder> open(const std::filesystem::path& file);
+  /// Opens the scene file itself, at any path. `memory`: what its reader may use. Errors: those of
+  /// open_regular.
+  static Result<SceneFolder> open(const std::filesystem::path& file, const Allowance& memory);
 
-  /// Opens a file by its path relative to the folder. Nothing: it does not exist, is not regular or
-  /// is not below the folder.
+  /// Opens a file by its path relative to the folder. Nothing: it does not exist, is not regular,
+  /// is not below the folder, or has so large a hole that all files together, holes included, are
+  /// larger than the memory which their stored bytes allow.
   std::optional<OpenedFile> open_file(const std::string& name);
 
-  /// Bytes of all different files that were opened.
+  /// Stored bytes of all different files that were opened. Holes buy nothing.
   std::uint64_t bytes() const { return bytes_; }
   /// Why files were refused, apart from those that do not exist; the first few.
   const std::vector<std::string>& refusals() const { return refusals_; }
 
  private:
-  SceneFolder(std::string name, FileHandle folder, FileHandle scene)
-      : name_(std::move(name)), folder_(std::move(folder)), scene_(std::move(scene)) {}
-  std::optional<OpenedFile> measured(FileHandle file);
-  void refuse(const std::string& name, const char* why);
+  SceneFolder(std::string name, FileHandle folder, FileHandle scene, const Allowance& memory)
+      : name_(std::move(name)),
+        folder_(std::move(folder)),
+        scene_(std::move(scene)),
+        memory_(memory) {}
+  std::optional<OpenedFile> measured(const std::string& name, FileHandle file);
+  void refuse(const std::string& name, std::string_view why);
 
   std::string name_;
   FileHandle folder_, scene_;
-  std::set<std::pair<std::uint64_t, std::uint64_t>> seen_;  // device and inode
+  Allowance memory_;
+  std::map<std::pair<std::uint64_t, std::uint64_t>, std::uint64_t> seen_;  // device, inode: number
   std::uint64_t bytes_ = 0;
+  std::uint64_t sizes_ = 0;  // of the same files, holes included
   std::vector<std::string> refusals_;
 };
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,8 +13,9 @@ namespace sightline::client::importer::sandbox {
 /// The only way out of a confined process. Ends the process if the other side is gone.
 class Inside {
  public:
-  /// The contents of a file of the scene's folder, mapped until the process ends. Nothing: there is
-  /// no such file, or it may not be read.
+  /// The contents of a file of the scene's folder, mapped until the process ends, and once under
+  /// all its names: as it was when it was first read. Nothing: there is no such file, or it may not
+  /// be read.
   std::optional<std::string_view> read(const std::string& name);
 
   /// `part` is from 0 to 1.
@@ -28,6 +30,7 @@ class Inside {
   void flush();
   void send_out(std::string_view rest);
 
+  std::map<std::uint64_t, std::string_view> files_;  // by number
   std::string buffer_;
   std::uint64_t written_ = 0;
 };

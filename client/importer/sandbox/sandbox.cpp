@@ -16,7 +16,6 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
-#include <limits>
 #include <new>
 #include <optional>
 #include <system_error>
@@ -150,7 +149,7 @@ class Child {
   bool answer(const std::string& name) {
     const std::optional<OpenedFile> file = folder_.open_file(name);
     update_limits();
-    const Reply reply{file ? file->bytes : 0};
+    const Reply reply = file ? Reply{file->bytes, file->number} : Reply{};
     return send(channel_.get(), reply, file ? file->handle.get() : -1);
   }
 
@@ -220,11 +219,6 @@ class Child {
 
 }  // namespace
 
-std::uint64_t Allowance::of(std::uint64_t bytes) const {
-  constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max() / 4;
-  return bytes > (kMost - fixed) / per_byte ? kMost : fixed + per_byte * bytes;
-}
-
 MappedBytes::MappedBytes(int file, std::size_t size) : size_(size) {
   if (size == 0) return;
   void* const bytes = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE | MAP_POPULATE, file, 0);
@@ -240,7 +234,7 @@ Result<Outcome> run(const std::filesystem::path& file, const Limits& limits,
                     const std::function<void(double)>& progress,
                     const std::function<void(Inside&)>& work) {
   for (int stuck = 0;; ++stuck) {
-    auto folder = SceneFolder::open(file);
+    auto folder = SceneFolder::open(file, limits.memory);
     if (!folder) return folder.error();
     Child child(file, *std::move(folder), limits);
     if (const Status started = child.start(work); !started) return started.error();

@@ -10,20 +10,13 @@
 #include <utility>
 #include <vector>
 
+#include "client/importer/sandbox/allowance.h"
 #include "client/importer/sandbox/inside.h"
 #include "client/result.h"
 
 namespace sightline::client::importer::sandbox {
 
-/// How much a child may use: a fixed amount, and an amount for each byte of the files that it
-/// opened.
-struct Allowance {
-  std::uint64_t fixed = 0;
-  std::uint64_t per_byte = 0;
-
-  std::uint64_t of(std::uint64_t bytes) const;
-};
-
+/// Of a child.
 struct Limits {
   Allowance memory{.fixed = std::uint64_t{1} << 30, .per_byte = 64};  ///< bytes
   Allowance time_us{.fixed = 20'000'000, .per_byte = 4};              ///< of processor time

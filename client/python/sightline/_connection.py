@@ -66,7 +66,8 @@ class Connection:
         if tls_cert is not None and tls_ca is None:
             raise ValueError("a certificate of the client needs tls_ca, too")
         if token is None:
-            token = (_read(token_file) or b"").decode().strip() or os.environ.get("SIGHTLINE_TOKEN", "")
+            read = (_read(token_file) or b"").decode("utf-8", "replace").strip()
+            token = read or os.environ.get("SIGHTLINE_TOKEN", "")
         if not all(" " < c <= "~" for c in token):
             raise ValueError("the token has characters other than visible ASCII")
         if token and tls_ca is None and not address.is_local():

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "accel/geometry/triangle_mesh.h"
-#include "accel/mesh/mesh_tree.h"
+#include "accel/mesh/tree_builder.h"
 #include "accel/published/any_builder.h"
 #include "proto/result.h"
 #include "scenegraph/model/affine.h"

@@ -391,6 +391,35 @@ TEST(Rebase, AMeshThatTheLatticeDestroysGetsItsOwn) {
     EXPECT_LT(distance(placed(scene, 1, i), box[i]), 1e-5);
 }
 
+// Beside a mesh of thousands of kilometers, others have one step of their own, or one each.
+TEST(Rebase, SeveralLatticesAreAWarning) {
+  tests::Random random(9);
+  struct Case {
+    std::vector<double> sizes;
+    std::size_t own_steps;
+  };
+  const std::vector<Case> cases{
+      {{200}, 0},     {{10}, 1},       {{1e-3}, 1},        {{10, 5}, 1},
+      {{10, 0.1}, 1}, {{10, 1e-3}, 2}, {{200, 0.1, 5}, 1}, {{10, 1e-3, 1e-6}, 3}};
+  for (const Point& corner : {kUtm, kUtmNorth, kEcef}) {
+    for (const Case& c : cases) {
+      Scene scene = scene_of({mesh_of({{0.1, 0, 0}, {6e6, 0, 0}, {0, 6e6, 0}, {0, 0, 6e6}})});
+      for (const double size : c.sizes) {
+        std::vector<Point> box;
+        for (const double x : {0.0, size / 3, size})
+          box.push_back({corner[0] + x, corner[1], corner[2] + x});
+        scene.meshes.push_back(mesh_of(box));
+        scene.nodes.push_back(
+            {.name = "box", .mesh = static_cast<std::uint32_t>(scene.meshes.size() - 1)});
+      }
+      std::size_t own_steps = 0;
+      for (const Warning& warning : importer::rebase(scene.meshes, scene.nodes).warnings)
+        own_steps += warning.kind == "several_lattices" ? warning.count : 0;
+      EXPECT_EQ(own_steps, c.own_steps) << c.sizes.front() << " and " << c.sizes.back();
+    }
+  }
+}
+
 TEST(Rebase, OtherFilesAreBroughtToOffsetsThatHoldThem) {
   tests::Random random(8);
   const std::vector<Point> file = surveyed(kUtm, 30, 50, random);

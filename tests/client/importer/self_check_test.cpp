@@ -183,5 +183,24 @@ TEST(IfcContents, FacesAndHolesTooSmallForAssimpAreLost) {
   }
 }
 
+TEST(IfcContents, CornersThatAssimpMergesAreCounted) {
+  const std::string shell = "#2000=IFCCLOSEDSHELL((#1000));\n";
+  EXPECT_EQ(ifc_contents(faces_of({1.0, 0.5}) + shell).merged_corners, 0U);
+  EXPECT_EQ(ifc_contents(faces_of({1.0, 0.0}) + shell).merged_corners, 0U) << "equal";
+  for (const auto& widths : {std::vector{1e5, 1.0}, {1e10, 2.0}, {3.0, 1e-5}}) {
+    const IfcContents found = ifc_contents(faces_of(widths) + shell);
+    EXPECT_EQ(found.merged_corners, 4U) << widths.front();
+    EXPECT_EQ(found.first_merged, 2000U);
+  }
+}
+
+TEST(IfcContents, LooseEndsAreCounted) {
+  const std::string whole = "#1=IFCA('#9',$);\n#2=IFCB((#1,#1),#3);\n#3=IFCA($,$);\n";
+  EXPECT_EQ(ifc_contents(whole).loose_ends, 0U);
+  const IfcContents loose = ifc_contents(whole + "#3=IFCA($,$);\n#4=IFCB(#3,#7);\n");
+  EXPECT_EQ(loose.loose_ends, 2U);
+  EXPECT_EQ(loose.first_loose, 3U);
+}
+
 }  // namespace
 }  // namespace sightline::client::importer

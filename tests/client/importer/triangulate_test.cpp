@@ -247,6 +247,23 @@ TEST(Triangulate, WithoutAreaNothingIsCovered) {
   }
 }
 
+TEST(Triangulate, ThereAndBackCoversNothing) {
+  Random random(5);
+  for (const Outline& outline :
+       {Outline{{0, 0}, {1, 0}, {1, 1}, {1, 0}}, Outline{{0, 0}, {2, 1}, {0, 3}, {2, 1}},
+        Outline{{0, 0}, {1, 0}, {1, 1}, {0, 2}, {1, 1}, {1, 0}}}) {
+    for (const Plane& plane : {Plane{}, Plane{{}, {1, 0, 0}, {0, 0, 1}},
+                               Plane{{}, {0, 1, 0}, {0, 0, 1}}, random_plane(random, 1)}) {
+      const std::vector<Vertex> vertices = placed(outline, plane);
+      const Cut result = cut(vertices);
+      EXPECT_EQ(result.faces.size(), outline.size() - 2);
+      for (const auto& [a, b, c] : result.faces)
+        EXPECT_TRUE(vertices[a] == vertices[b] || vertices[b] == vertices[c] ||
+                    vertices[c] == vertices[a]);
+    }
+  }
+}
+
 TEST(Triangulate, CrossingsAreSaid) {
   const Outline bow_tie{{0, 0}, {1, 1}, {1, 0}, {0, 1}};
   const Outline eight{{0, 0}, {2, 0}, {2, 2}, {3, 2}, {3, -1}, {1, -1}, {1, 1}, {0, 1}};
@@ -286,6 +303,25 @@ TEST(Triangulate, ManyCorners) {
   expect_covered(placed(comb(15'000), random_plane(random, 1e-3)), "comb");
   expect_covered(placed(spiral(20'000, 0.01), random_plane(random, 1e3)), "spiral");
   expect_covered(placed(skyline(20'000, random), {}), "skyline");
+}
+
+// All of these took quadratic time: minutes at a million corners.
+TEST(Triangulate, ManyCornersOfPolygonsThatCrossThemselves) {
+  Random random(8);
+  constexpr std::size_t kCorners = 300'000;
+  Outline scattered, wound, repeated;
+  for (std::size_t i = 0; i < kCorners; ++i) {
+    const double angle = 2.4 * static_cast<double>(i);
+    scattered.push_back({random.uniform(), random.uniform()});
+    wound.push_back({std::cos(angle), std::sin(angle)});
+  }
+  for (std::size_t i = 0; i < 40'000; ++i)
+    repeated.push_back({static_cast<double>(i % 5), static_cast<double>(i * i % 7)});
+  for (const Outline& outline : {scattered, wound, repeated}) {
+    const Cut result = cut(placed(outline, {}));
+    EXPECT_FALSE(result.is_simple) << outline.size();
+    EXPECT_EQ(result.faces.size(), outline.size() - 2);
+  }
 }
 
 TEST(Orientation, IsExactWhereDoublesAreNot) {

@@ -15,6 +15,7 @@
 #include "accel/kdtree/epoch.h"
 #include "accel/mesh/face_boxes.h"
 #include "accel/mesh/mesh_stats.h"
+#include "accel/mesh/mesh_tree.h"
 #include "accel/published/any_builder.h"
 #include "accel/wide/wide_node.h"
 #include "tests/support/rational_hit.h"

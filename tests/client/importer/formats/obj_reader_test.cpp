@@ -122,6 +122,36 @@ TEST(ObjReader, ColorsAndWeightsAreNoPositions) {
   EXPECT_EQ(scene->warnings[0].first, "line 3");
 }
 
+TEST(ObjReader, AWeightOtherThanOneIsAWarning) {
+  const std::string rest = std::string(kSquare) + "f 1 2 3\n";
+  for (const char* weight : {"0", "0.5", "2", "-1", "1e-3", "0.9999999", "nan", "inf"})
+    EXPECT_EQ(warnings("v 7 8 9 " + std::string(weight) + "\n" + rest), "vertex_weights ")
+        << weight;
+  for (const char* more : {"1", "1.0", "1e0", "+1", "0.2 0.3 0.4", "0.2 0.3 0.4 0.5", "1 0 0 0"})
+    EXPECT_EQ(warnings("v 7 8 9 " + std::string(more) + "\n" + rest), "") << more;
+  const auto scene = obj("v 7 8 9 4\nv 1 0 0 0.25\nv 0 1 0\nv 2 2 2 1\nv 4 4 4 0\nf 1 2 3\n");
+  ASSERT_TRUE(scene) << error_of(scene);
+  EXPECT_EQ(scene->meshes.at(0).vertices.at(0), (Point{7, 8, 9})) << "not divided";
+  EXPECT_EQ(scene->warnings.at(0).count, 3U);
+}
+
+// Two lines that a backslash or a lost line end made one would take a vertex away.
+TEST(ObjReader, WordsAfterAPositionAreNumbers) {
+  EXPECT_EQ(refusal("v 0 0 0 v 1 1 1\n"), "line 5: 'v' is no number");
+  EXPECT_EQ(refusal("v 0 0 0\\\nv 1 1 1\n"), "line 5: 'v' is no number");
+  EXPECT_EQ(refusal("v 0 0 0 0.5 red\n"), "line 5: 'red' is no number");
+  EXPECT_EQ(refusal("v 0 0 0 # red\n"), "");
+}
+
+TEST(ObjReader, ACommentEndsWithItsLine) {
+  for (const char* comment : {"# from C:\\models\\\n", "#\\\n", "  # a\\\r\n", "\t#b \\\n"}) {
+    EXPECT_EQ(corners_of(comment + std::string(kSquare) + "f 1 2 3\n"), (Corners{0, 1, 2}));
+    EXPECT_EQ(corners_of(std::string(kSquare) + "f 1 2 3\n" + comment + "f 2 3 4\n"),
+              (Corners{0, 1, 2, 1, 2, 3}));
+  }
+  EXPECT_EQ(warnings(std::string(kSquare) + "f 1 2 3\n# one \\\n two\n"), "unknown_statements ");
+}
+
 TEST(ObjReader, LinesAndPointsAreFacesOfFewCorners) {
   const auto scene = obj(std::string(kSquare) + "l 1 2 3\np 4 1\nf 1 2\nf 1 2 3\n");
   ASSERT_TRUE(scene) << error_of(scene);
@@ -198,6 +228,22 @@ TEST(ObjReader, WhatIsNotReadIsCounted) {
   EXPECT_EQ(warnings(f + "csh rm -r x\n"), "calls ");
   EXPECT_EQ(warnings(f + "bogus 1 2\nbogus\n"), "unknown_statements ");
   EXPECT_EQ(warnings(f + "f\n"), "empty_faces ");
+}
+
+TEST(ObjReader, EachStatementThatAddsASurfaceIsNamed) {
+  const std::string f = std::string(kSquare) + "f 1 2 3\n";
+  for (const char* curve : {"curv 0 1 1 2 3 4", "curv2 1 2 3", "surf 0 1 0 1 1 2 3 4",
+                            "cdc 1 2 3 4", "cdp 1 2 3 4", "bzp 1 2 3 4", "bsp 1 2 3 4"}) {
+    const auto scene = obj(f + "\n" + curve + "\nend\n");
+    ASSERT_TRUE(scene) << error_of(scene);
+    ASSERT_EQ(kinds_of(*scene), "curves_and_surfaces ") << curve;
+    const std::string word(curve, std::string_view(curve).find(' '));
+    EXPECT_EQ(scene->warnings[0].first, "line 7: " + word);
+  }
+  for (const char* call : {"call part.obj 1", "csh -ls", "csh ls"})
+    EXPECT_EQ(warnings(f + call + "\n"), "calls ") << call;
+  for (const char* unknown : {"fo 1 2 3", "F 1 2 3", "V 0 0 0", "vertex 0 0 0", "xyz", "3 4"})
+    EXPECT_EQ(warnings(f + unknown + "\n"), "unknown_statements ") << unknown;
 }
 
 TEST(ObjReader, TheLastStatementIsWhole) {

@@ -52,14 +52,14 @@ std::string face(std::vector<std::int32_t> corners, bool is_big = false) {
   return bytes;
 }
 
-void expect_triangle(const std::string& bytes) {
+void expect_triangle(const std::string& bytes, const std::string& kinds = "") {
   const auto scene = ply(bytes);
   ASSERT_TRUE(scene) << error_of(scene) << " in " << bytes;
   ASSERT_EQ(scene->meshes.size(), 1U);
   EXPECT_EQ(scene->meshes[0].vertices, (std::vector<Point>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}))
       << bytes;
   EXPECT_EQ(scene->meshes[0].faces.corners, (Corners{0, 1, 2})) << bytes;
-  EXPECT_EQ(kinds_of(*scene), "") << bytes;
+  EXPECT_EQ(kinds_of(*scene), kinds) << bytes;
 }
 
 TEST(PlyReader, ReadsTextAndBothOrdersOfBytes) {
@@ -166,9 +166,27 @@ TEST(PlyReader, ABodyMayBeginWithAnyByte) {
 
 TEST(PlyReader, TextMayBeBrokenAnywhere) {
   const std::string head = header("ascii", vertices(3) + faces(1));
-  expect_triangle(head + "0 0 0 1 0 0 0 1 0 3 0 1 2");
   expect_triangle(head + "0\n0\n0\n1\n0\n0\n0\n1\n0\n3\n0\n1\n2\n");
-  expect_triangle(head + "\n\n0 0 0\n\n1 0\n0 0\t1 0\n\n3 0\n1 2\n\n");
+  expect_triangle(head + "\n\n0 0 0\n\n1 0\n0\n 0\t1 0\n\n3 0\n1 2\n\n");
+}
+
+// As it is where a value is missing or too many, too.
+TEST(PlyReader, AnElementWithinALineIsWarnedAbout) {
+  const std::string head = header("ascii", vertices(3) + faces(1));
+  expect_triangle(head + "0 0 0 1 0 0 0 1 0 3 0 1 2", "line_breaks ");
+  expect_triangle(head + "0 0 0\n1 0 0 0\n1 0\n3 0 1 2\n", "line_breaks ");
+  const auto shifted =
+      ply(header("ascii", vertices(4) + faces(1)) + "0 0 0\n1 0\n0 1 0\n1 1 0 3\n3 0 1 2\n");
+  ASSERT_TRUE(shifted) << error_of(shifted);
+  ASSERT_EQ(kinds_of(*shifted), "line_breaks ");
+  EXPECT_EQ(shifted->warnings[0].first, "line 12");
+}
+
+TEST(PlyReader, APropertyThatIsReadIsThereOnce) {
+  EXPECT_EQ(error_of(ply(header("ascii", vertices(1) + "property float y\n") + "0 0 0 1\n")),
+            "line 7 of the PLY header: a second property 'y' of the element 'vertex'");
+  EXPECT_TRUE(
+      ply(header("ascii", vertices(1) + "property float s\nproperty float s\n") + "0 0 0 1 1\n"));
 }
 
 TEST(PlyReader, LinesWithMoreValuesThanPropertiesAreRefused) {
@@ -307,11 +325,14 @@ TEST(PlyReader, HeadersThatAreNotUnderstoodAreRefused) {
   EXPECT_TRUE(holds(changed("vertex 1", "vertex 4000000000"), "announces 4000000000 elements"));
   EXPECT_TRUE(holds(changed("vertex 1", "vertex -1"), "'-1'"));
   EXPECT_TRUE(holds(changed("float x", "quad x"), "unknown type 'quad'"));
+  EXPECT_TRUE(holds(changed("float x", "float"), "a property without a name"));
   EXPECT_TRUE(holds(changed("ascii", "ebcdic"), "format 'ebcdic'"));
   EXPECT_TRUE(holds(changed("format ascii 1.0\n", ""), "no line 'format'"));
   EXPECT_TRUE(holds(changed("element vertex 1\n", ""), "before the first element"));
   EXPECT_TRUE(holds(changed("ply", "plx"), "begins with the line 'ply'"));
   EXPECT_TRUE(holds(changed("end_header", vertices(1) + "end_header"), "a second element"));
+  EXPECT_TRUE(holds(changed("float z", "float z\nproperty double x"),
+                    "a second property 'x' of the element 'vertex'"));
   const auto odd = ply(good.substr(0, 4) + "Created by hand\n" + good.substr(4));
   ASSERT_TRUE(odd) << error_of(odd);
   EXPECT_EQ(kinds_of(*odd), "unknown_statements ");

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <cstring>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/client/importer/formats/read_bytes.h"
@@ -108,6 +109,28 @@ TEST(StlReader, EachSolidIsANodeWithItsName) {
             "a");
 }
 
+TEST(StlReader, SeveralSolidsMayBeOnOneLine) {
+  const std::string f = changed(kFacet, "\n", " ");
+  for (const char* end : {"endsolid", "endsolid one", "endsolid one part", "end solid one"}) {
+    const auto scene = stl("solid one " + f + end + " solid two parts " + f + f + "endsolid");
+    ASSERT_TRUE(scene) << error_of(scene);
+    EXPECT_EQ(facets(scene), "1 2 ") << end;
+    EXPECT_EQ(scene->meshes[1].name, "two parts") << end;
+    EXPECT_EQ(kinds_of(*scene), "") << end;
+  }
+  EXPECT_EQ(facets(stl("solid a " + f + "endsolid a " + f + "endsolid\n")), "1 1 ");
+}
+
+// A name that is looked for up to the end of its line would make this quadratic.
+TEST(StlReader, ALineMayBeLong) {
+  const std::string solid = "solid a " + changed(kFacet, "\n", " ");
+  std::string text;
+  for (int i = 0; i < 30'000; ++i) text += solid;
+  const auto scene = stl(text + "endsolid\n");
+  ASSERT_TRUE(scene) << error_of(scene);
+  EXPECT_EQ(scene->meshes.size(), 30'000U);
+}
+
 TEST(StlReader, AsciiFilesThatAreCutOffAreADoubt) {
   const std::string text = "solid a\n" + std::string(kFacet);
   EXPECT_EQ(kinds(text + "endsolid"), "");
@@ -135,6 +158,26 @@ TEST(StlReader, FacetsHaveThreeVertices) {
   EXPECT_TRUE(holds(error_of(stl(start + changed(kFacet, "1.5e0 0", "1.5e0") + end)),
                     "'endloop' is no number"));
   EXPECT_EQ(kinds(start + "color 1 0 0\n" + kFacet + end), "unknown_statements ");
+}
+
+TEST(StlReader, StrayWordsAreADoubt) {
+  const std::string start = "solid a\n", end = "endsolid a\n";
+  for (const auto& [from, to] :
+       std::vector<std::pair<std::string, std::string>>{{"1 0 0", "1 0 0 0"},
+                                                        {"outer loop", "outer loop\nouter loop"},
+                                                        {"normal 0 0 1", "normal 0 0 1 1"},
+                                                        {"normal 0 0 1", "normal 0 vert"},
+                                                        {"\n  vertex 1", "\n# vertex 1"},
+                                                        {"\n endloop", "\n endloop\n endloop"},
+                                                        {"endloop", "end_loop"}}) {
+    const auto scene = stl(start + changed(kFacet, from, to) + end);
+    EXPECT_EQ(facets(scene), "1 ") << to;
+    ASSERT_TRUE(scene);
+    EXPECT_EQ(kinds_of(*scene), "unknown_statements ") << to;
+  }
+  EXPECT_EQ(kinds(start + changed(kFacet, "0 0 1\n", "nan -inf -1.#IND\n") + end), "");
+  for (const char* left_out : {"endloop", "outer loop", "normal 0 0 1"})
+    EXPECT_EQ(kinds(start + changed(kFacet, left_out, "") + end), "") << left_out;
 }
 
 TEST(StlReader, BinaryFilesAreTakenByTheirSize) {

@@ -167,6 +167,23 @@ TEST(GltfAnimations, OfAMatrixAreWarnedAbout) {
   EXPECT_TRUE(warns_of(*scene, "animated_matrix"));
 }
 
+TEST(GltfAnimations, OfOneTargetTwiceAreWarnedAbout) {
+  for (const char* path : {"translation", "scale"}) {
+    GltfFile file = animated(path, {0, 1}, {0, 0, 0, 1, 0, 0});
+    nlohmann::json& channels = file.json["animations"][0]["channels"];
+    const nlohmann::json again = channels[0];
+    channels.push_back(again);
+    const auto scene = read_made(file);
+    ASSERT_TRUE(scene) << scene.error().message;
+    EXPECT_EQ(scene->animations.at(0).channels.size(), 1U);
+    EXPECT_TRUE(warns_of(*scene, "animated_twice"));
+    channels.erase(1);
+    const nlohmann::json one = file.json["animations"][0];
+    file.json["animations"].push_back(one);
+    EXPECT_FALSE(warns_of(*read_made(file), "animated_twice")) << "in two animations";
+  }
+}
+
 TEST(GltfAnimations, MustFit) {
   const auto said = [](const char* key, const nlohmann::json& value) {
     GltfFile file = animated("translation", {0, 1}, {0, 0, 0, 1, 0, 0});

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -153,6 +154,28 @@ TEST(Skins, HaveMoreThanFourInfluencesInFurtherSets) {
   EXPECT_EQ(skin.influences[4].weight, 0.125);
 }
 
+TEST(Meshes, WithoutPrimitivesAreWarnedAbout) {
+  GltfFile file = bending_strip();
+  file.json["meshes"].push_back({{"name", "none"}});
+  file.json["nodes"].push_back({{"mesh", file.json["meshes"].size() - 1}});
+  file.json["scenes"] = {{{"nodes", {0, file.json["nodes"].size() - 1}}}};
+  const auto scene = read_made(file);
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_TRUE(warns_of(*scene, "no_primitives"));
+}
+
+TEST(Skins, HaveAffineInverseBindMatrices) {
+  GltfFile file = bending_strip();
+  std::vector<float> matrices(32, 0);
+  for (const std::size_t i : {0, 5, 10, 15, 16, 21, 26, 31}) matrices[i] = 1;
+  file.json["skins"][0]["inverseBindMatrices"] = file.add(matrices, "MAT4");
+  EXPECT_EQ(refusal_of(file), "");
+  matrices[31] = 1.5F;
+  file.json["skins"][0]["inverseBindMatrices"] = file.add(matrices, "MAT4");
+  EXPECT_NE(refusal_of(file).find("an inverse bind matrix is 0 0 0 1.5, must be 0 0 0 1"),
+            std::string::npos);
+}
+
 TEST(Skins, MustNameJointsOfTheScene) {
   GltfFile file = bending_strip();
   file.json["skins"][0]["joints"] = {2};
@@ -166,6 +189,15 @@ TEST(Skins, MustNameJointsOfTheScene) {
   EXPECT_NE(refusal_of(file).find("joint nodes[4] is not in the scene"), std::string::npos);
   file.json["nodes"][1]["skin"] = 5;
   EXPECT_NE(refusal_of(file).find("skins[5]"), std::string::npos);
+}
+
+TEST(Skins, HaveJointsThatAreIntegers) {
+  for (const float joint : {0.5F, -1.F, 2.F, NAN}) {
+    GltfFile file = bending_strip();
+    const int joints = file.add(std::vector<float>(24, joint), "VEC4");
+    file.json["meshes"][0]["primitives"][0]["attributes"]["JOINTS_0"] = joints;
+    EXPECT_NE(refusal_of(file).find("names joint"), std::string::npos) << joint;
+  }
 }
 
 TEST(Skins, NeedWeightsAndJoints) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -23,7 +24,9 @@ struct Tree {
     dir.write("in/scene.gltf", "scene");
     dir.write("in/parts/a.bin", "part");
   }
-  SceneFolder open() const { return *SceneFolder::open(dir.path("in/scene.gltf")); }
+  SceneFolder open() const {
+    return *SceneFolder::open(dir.path("in/scene.gltf"), {.fixed = 1 << 20, .per_byte = 64});
+  }
 
   TempDir dir;
 };
@@ -81,6 +84,58 @@ TEST(SceneFolder, OpensRegularFilesOnly) {
   EXPECT_FALSE(opens(folder, "parts"));
   EXPECT_EQ(folder.refusals()[0], "it names 'pipe', which is a pipe");
   EXPECT_EQ(folder.refusals()[1], "it names 'parts', which is a directory");
+}
+
+TEST(SceneFolder, CountsAFileOnceUnderAllItsNames) {
+  const Tree tree;
+  fs::create_hard_link(tree.dir.path("in/parts/a.bin"), tree.dir.path("in/hard"));
+  fs::create_symlink("parts/a.bin", tree.dir.path("in/soft"));
+  SceneFolder folder = tree.open();
+  const std::uint64_t number = folder.open_file("hard")->number;
+  for (const char* const name : {"parts/a.bin", "soft", "./hard"})
+    EXPECT_EQ(folder.open_file(name)->number, number) << name;
+  EXPECT_NE(folder.open_file("scene.gltf")->number, number);
+  EXPECT_EQ(folder.bytes(), 9U);
+}
+
+TEST(SceneFolder, CountsAFileThatGrowsAsItWas) {
+  const Tree tree;
+  SceneFolder folder = tree.open();
+  EXPECT_TRUE(opens(folder, "parts/a.bin"));
+  fs::resize_file(tree.dir.path("in/parts/a.bin"), std::uintmax_t{1} << 40);
+  EXPECT_TRUE(opens(folder, "parts/a.bin"));
+  EXPECT_EQ(folder.bytes(), 4U);
+}
+
+TEST(SceneFolder, GivesNothingForHoles) {
+  const Tree tree;
+  tree.dir.write("in/small.bin", "");
+  tree.dir.write("in/large.bin", "");
+  fs::resize_file(tree.dir.path("in/small.bin"), 1 << 19);
+  fs::resize_file(tree.dir.path("in/large.bin"), std::uintmax_t{8} << 30);
+  SceneFolder folder = tree.open();
+  const auto small = folder.open_file("small.bin");
+  ASSERT_TRUE(small);
+  EXPECT_EQ(small->bytes, 1U << 19);
+  EXPECT_EQ(folder.bytes(), 0U);
+  EXPECT_FALSE(opens(folder, "large.bin")) << "its pages would take memory";
+  EXPECT_EQ(folder.refusals()[0],
+            "it names 'large.bin', which is a hole: of its 8589934592 bytes 0 are stored");
+  EXPECT_TRUE(opens(folder, "parts/a.bin"));
+  EXPECT_EQ(folder.bytes(), 4U);
+}
+
+TEST(SceneFolder, GivesManySmallHolesNoMoreThanOneLargeOne) {
+  const Tree tree;
+  SceneFolder folder = tree.open();
+  int opened = 0;
+  for (int i = 0; i < 8; ++i) {
+    const std::string name = "in/hole" + std::to_string(i);
+    tree.dir.write(name, "");
+    fs::resize_file(tree.dir.path(name), 1 << 18);
+    opened += opens(folder, name.substr(3)) ? 1 : 0;
+  }
+  EXPECT_EQ(opened, 4) << "a MiB";
 }
 
 TEST(OpenRegular, FollowsLinksAndNamesWhatIsNoFile) {

@@ -15,6 +15,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -202,6 +203,24 @@ TEST(Sandbox, LimitsTheResult) {
                               },
                               {.memory = {.fixed = std::uint64_t{64} << 20, .per_byte = 1}});
   EXPECT_FALSE(outcome);
+}
+
+// Else thousands of links to a large file would take page tables without a bound.
+TEST(Sandbox, MapsAFileOnceUnderAllItsNames) {
+  const TempDir dir;
+  const std::string file = dir.write("a.obj", "first");
+  std::filesystem::create_hard_link(file, dir.path("hard"));
+  std::filesystem::create_symlink("a.obj", dir.path("soft"));
+  const auto outcome = run_on(file, [](Inside& inside) {
+    const auto first = inside.read("a.obj");
+    bool same = first && *first == "first";
+    for (const char* name : {"a.obj", "./a.obj", "hard", "soft"})
+      same = same && inside.read(name)->data() == first->data();
+    inside.write(same ? "same" : "else", 4);
+    inside.finish();
+  });
+  ASSERT_TRUE(outcome) << error_of(outcome);
+  EXPECT_EQ(text_of(*outcome), "same");
 }
 
 // Larger files may need more.
