@@ -1,7 +1,6 @@
 // Accepts connections, whatever the process runs out of.
 #include "server/net/acceptor.h"
 
-#include <arpa/inet.h>
 #include <fcntl.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
@@ -22,6 +21,8 @@
 #include <system_error>
 #include <utility>
 
+#include "server/net/peer_address.h"
+
 namespace sightline::server::net {
 namespace {
 
@@ -39,27 +40,6 @@ Descriptor must(int made, const char* what) {
 }
 
 Descriptor spare() { return Descriptor(open("/dev/null", O_RDONLY | O_CLOEXEC)); }
-
-/// The user of the process at the other end of a Unix socket.
-std::string user_of(int connection) {
-  ucred peer{};
-  socklen_t size = sizeof peer;
-  if (getsockopt(connection, SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0) return {};
-  return "user " + std::to_string(peer.uid);
-}
-
-/// The peer's address without its port.
-std::string address_of(int connection) {
-  sockaddr_storage peer{};
-  socklen_t size = sizeof peer;
-  std::array<char, INET6_ADDRSTRLEN> text{};
-  if (getpeername(connection, reinterpret_cast<sockaddr*>(&peer), &size) != 0) return {};
-  if (peer.ss_family == AF_UNIX) return user_of(connection);
-  const void* address = &reinterpret_cast<const sockaddr_in&>(peer).sin_addr;
-  if (peer.ss_family == AF_INET6) address = &reinterpret_cast<const sockaddr_in6&>(peer).sin6_addr;
-  if (inet_ntop(peer.ss_family, address, text.data(), text.size()) == nullptr) return {};
-  return text.data();
-}
 
 int accept_one(int listener) {
   return accept4(listener, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);

@@ -1,0 +1,20 @@
+// The connections that were ended for what their clients sent.
+#include "server/net/ended_connections.h"
+
+#include <spdlog/spdlog.h>
+
+namespace sightline::server::net {
+
+void EndedConnections::add(Abuse abuse, const std::string& peer) {
+  counts_[static_cast<std::size_t>(abuse)].fetch_add(1);
+  const auto now = std::chrono::steady_clock::now();
+  const std::lock_guard lock(mutex_);
+  ++unlogged_;
+  if (now - logged_ < std::chrono::seconds(1)) return;
+  spdlog::warn("event=connection_ended reason={} peer={} since_last={}", abuse_name(abuse), peer,
+               unlogged_);
+  logged_ = now;
+  unlogged_ = 0;
+}
+
+}  // namespace sightline::server::net
