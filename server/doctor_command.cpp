@@ -15,16 +15,19 @@ namespace {
 
 struct DoctorFlags {
   std::filesystem::path directory;
-  bool repair = false;
+  store::Treatment treatment;
 };
 
 void add_doctor_flags(CLI::App& app, DoctorFlags& flags) {
   app.description("Examines a data directory that no server uses");
   app.name("sightlined doctor");
   app.add_option("DIR", flags.directory, "The directory that --data-dir names")->required();
-  app.add_flag("--repair", flags.repair,
+  app.add_flag("--repair", flags.treatment.repair,
                "Move damaged meshes aside, so that they can be uploaded again, and remove files "
                "that the database does not name");
+  app.add_flag("--accept-loss", flags.treatment.accept_loss,
+               "Go on without updates that were acknowledged and are lost: their scenes get new "
+               "tokens");
 }
 
 }  // namespace
@@ -45,7 +48,7 @@ int run_doctor(int argc, const char* const* argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kUsageExit;
   }
-  const auto found = store::examine(store::local_files(), flags.directory, flags.repair);
+  const auto found = store::examine(store::local_files(), flags.directory, flags.treatment);
   if (!found) {
     std::fprintf(stderr, "sightlined: %s\n", found.error().message.c_str());
     return 1;

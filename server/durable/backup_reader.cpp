@@ -94,7 +94,7 @@ Status BackupReader::begin_scene() {
   if (!meshes) return meshes.error();
   meshes_ = std::move(*meshes);
   std::erase_if(meshes_, [this](const auto& digest) { return sent_.contains(digest); });
-  for (const auto& digest : meshes_) static_cast<void>(store_.has_blob(digest));  // not swept soon
+  static_cast<void>(store_.has_blobs(meshes_));  // not swept soon
   ++attempts_;
   mesh_ = nullptr;
   chunk_ = 0;

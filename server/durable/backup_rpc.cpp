@@ -151,7 +151,7 @@ class RestoreCall final : public grpc::ServerReadReactor<v1::RestoreRequest> {
         if (Status good = scenes::check_scene_name(request_.scene()); !good) return good;
       }
       restorer_.emplace(
-          Restorer::Parts{parts_.services.scenes, parts_.services.blobs, parts_.memory},
+          Restorer::Parts{parts_.services.scenes, parts_.services.blobs, parts_.memory, caller_},
           Restorer::Wanted{request_.scene(), request_.revision()});
     }
     return restorer_->take(request_.part());
@@ -168,6 +168,7 @@ class RestoreCall final : public grpc::ServerReadReactor<v1::RestoreRequest> {
   void end(const Status& status) {
     if (restorer_) {
       for (const Restorer::Restored& restored : restorer_->restored()) add_answer(restored);
+      restorer_.reset();  // before the client knows
     }
     const grpc::Status answer = exec::to_grpc(status);
     exec::log_rpc("Restore", context_, answer, begun_);

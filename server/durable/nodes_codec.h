@@ -64,6 +64,8 @@ class NodesReader {
 
   /// Errors: kDataLoss (NodesWriter has not made it), as BlobStore::load.
   Status add(std::string_view part);
+  /// Nodes so far.
+  std::size_t size() const { return content_.nodes.size(); }
   /// After the last part.
   scenegraph::SceneContent finish(std::uint64_t revision) &&;
 

@@ -3,15 +3,22 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <span>
 #include <utility>
 
 #include "server/durable/batch_codec.h"
+#include "server/durable/read_bytes.h"
+#include "server/scenes/applied_updates.h"
 #include "server/scenes/names.h"
 #include "server/updates/scene_codec.h"
+#include "sightline/stored/v1/stored.pb.h"
 
 namespace sightline::server::durable {
 namespace {
+
+using sightline::stored::v1::Batch;
+using sightline::stored::v1::NodesPart;
 
 Error incomplete(const std::string& what) {
   return {Code::kDataLoss, "the backup is not whole: " + what, "BACKUP_INCOMPLETE"};
@@ -20,15 +27,19 @@ Error incomplete(const std::string& what) {
 }  // namespace
 
 struct Restorer::Scene {
-  explicit Scene(blobs::BlobStore& blobs) : nodes(blobs) {}
+  Scene(blobs::BlobStore& blobs, std::unique_ptr<blobs::UploadShares::Slot> taken)
+      : slot(std::move(taken)), nodes(blobs) {}
+
+  const std::unique_ptr<blobs::UploadShares::Slot> slot;
 
   scenes::SceneInfo info;
   std::uint64_t base = 0, revision = 0;
   std::uint64_t wanted = 0;  ///< The revision to restore.
   NodesReader nodes;
-  bool in_log = false;       ///< The nodes at the base are whole.
-  std::uint64_t logged = 0;  ///< The revision of the last whole batch.
-  std::string updates;       ///< Of a batch that is not whole.
+  std::uint64_t name_bytes = 0, node_bytes = 0;  ///< Of the nodes so far.
+  bool in_log = false;                           ///< The nodes at the base are whole.
+  std::uint64_t logged = 0;                      ///< The revision of the last whole batch.
+  std::string updates;                           ///< Of a batch that is not whole.
   scenegraph::Scene scene;
 };
 
@@ -48,7 +59,21 @@ Status Restorer::take(const v1::BackupPart& part) {
   if (scene_ == nullptr) return {};
   if (part.content_case() == v1::BackupPart::kBatch) return take_batch(*scene_, part.batch());
   if (scene_->in_log) return incomplete("nodes come after batches");
-  return scene_->nodes.add(part.nodes());
+  return take_nodes(*scene_, part.nodes());
+}
+
+/// Books what the scene takes so far, and `more`.
+Status Restorer::hold(const Scene& scene, std::uint64_t more) {
+  return scene.slot->hold(scene.node_bytes + scene.updates.size() + more);
+}
+
+Status Restorer::take_nodes(Scene& scene, const std::string& nodes) {
+  const std::uint64_t reading = bytes_when_read(*NodesPart::descriptor(), nodes);
+  if (Status fits = hold(scene, reading); !fits) return fits;
+  if (Status added = scene.nodes.add(nodes); !added) return added;
+  scene.name_bytes += nodes.size();  // at most
+  scene.node_bytes = scenes::bytes_of_scene(scene.nodes.size(), scene.name_bytes);
+  return hold(scene, 0);
 }
 
 /// A mesh that is stored is passed over.
@@ -57,7 +82,7 @@ Status Restorer::take_mesh(const v1::BackupMesh& mesh) {
     const auto digest = blobs::BlobDigest::parse(mesh.digest());
     if (!digest) return digest.error();
     if (!parts_.blobs.has(*digest)) {
-      auto begun = parts_.blobs.begin(*digest, 0);
+      auto begun = parts_.blobs.begin(*digest, 0, parts_.caller);
       if (!begun) return begun.error();
       upload_ = std::move(*begun);
     }
@@ -86,7 +111,9 @@ Status Restorer::begin_scene(const v1::BackupScene& begun) {
                              begun.revision(), info->name, revision),
                  "REVISION_NOT_KEPT"};
   }
-  scene_ = std::make_unique<Scene>(parts_.blobs);
+  auto slot = parts_.blobs.take_slot(parts_.caller);
+  if (!slot) return slot.error();
+  scene_ = std::make_unique<Scene>(parts_.blobs, std::move(*slot));
   scene_->info = std::move(*info);
   scene_->base = scene_->logged = begun.base();
   scene_->revision = begun.revision();
@@ -99,7 +126,12 @@ Status Restorer::take_batch(Scene& scene, const v1::BackupBatch& batch) {
     return incomplete(fmt::format("revision {} of {} follows {}", batch.revision(), scene.info.name,
                                   scene.logged));
   }
-  if (batch.revision() <= scene.wanted) scene.updates += batch.updates();
+  if (batch.revision() <= scene.wanted) {
+    // A string that grows is held twice.
+    if (Status fits = hold(scene, scene.updates.size() + 2 * batch.updates().size()); !fits)
+      return fits;
+    scene.updates += batch.updates();
+  }
   if (batch.more()) return {};
   scene.logged = batch.revision();
   if (scene.logged > scene.wanted) return {};
@@ -114,8 +146,16 @@ Status Restorer::begin_log(Scene& scene) {
 }
 
 Status Restorer::apply(Scene& scene, const std::string& updates) {
+  const std::uint64_t reading = updates.size() + bytes_when_read(*Batch::descriptor(), updates);
+  if (Status fits = hold(scene, reading); !fits) return fits;
   const auto batch = decode_batch(updates, parts_.blobs);
   if (!batch) return batch.error();
+  const auto before = scene.scene.snapshot();
+  const auto needed = scenes::needed_by(*before, batch->updates);
+  if (!needed) return needed.error();
+  const std::uint64_t changed =
+      needed->nodes + scenes::bytes_replaced(*before, batch->updates).bytes;
+  if (Status fits = hold(scene, reading + changed); !fits) return fits;
   const auto charge = [this](std::uint64_t bytes) -> Result<std::shared_ptr<const void>> {
     auto patch = parts_.memory.charge(exec::Held::kPatches, bytes);
     if (!patch) return patch.error();
@@ -124,7 +164,10 @@ Status Restorer::apply(Scene& scene, const std::string& updates) {
   };
   const auto applied = scene.scene.apply(batch->updates, {.charge = charge});
   if (!applied && applied.error().code == Code::kResourceExhausted) return applied.error();
-  if (applied && applied->nodes == batch->nodes) return {};
+  if (applied && applied->nodes == batch->nodes) {
+    scene.node_bytes += needed->nodes;
+    return hold(scene, 0);
+  }
   return incomplete(fmt::format("the batch of revision {} of {} cannot be applied again{}",
                                 scene.logged, scene.info.name,
                                 applied ? "" : ": " + applied.error().message));

@@ -11,6 +11,7 @@
 #include "scenegraph/scene.h"
 #include "server/blobs/blob_store.h"
 #include "server/durable/nodes_codec.h"
+#include "server/exec/caller.h"
 #include "server/exec/memory_account.h"
 #include "server/scenes/scene_store.h"
 #include "sightline/v1/backup.pb.h"
@@ -24,6 +25,7 @@ class Restorer {
     scenes::SceneStore& scenes;
     blobs::BlobStore& blobs;
     exec::MemoryAccount& memory;
+    exec::Caller caller;  ///< Pays for what is on its way.
   };
   struct Wanted {
     std::string scene = {};      ///< Empty: all.
@@ -35,9 +37,10 @@ class Restorer {
   Restorer(const Restorer&) = delete;
   Restorer& operator=(const Restorer&) = delete;
 
-  /// Takes the next part. A scene is restored with its end. Errors: kInvalidArgument (bad names or
-  /// parts out of order), kDataLoss (corrupt parts), kOutOfRange (the backup does not have the
-  /// revision), as SceneStore::restore and Upload.
+  /// Takes the next part. What has arrived of a scene counts as an upload of the caller. A scene is
+  /// restored with its end. Errors: kInvalidArgument (bad names or parts out of order), kDataLoss
+  /// (corrupt parts), kOutOfRange (the backup does not have the revision), kResourceExhausted (a
+  /// scene or a batch that is too large for the memory budget), as SceneStore::restore and Upload.
   Status take(const v1::BackupPart& part);
   /// After the last part. Errors: kDataLoss (it was not the last), kNotFound (the scene is not in
   /// the backup).
@@ -55,7 +58,9 @@ class Restorer {
 
   Status take_mesh(const v1::BackupMesh& mesh);
   Status begin_scene(const v1::BackupScene& begun);
+  Status take_nodes(Scene& scene, const std::string& nodes);
   Status take_batch(Scene& scene, const v1::BackupBatch& batch);
+  Status hold(const Scene& scene, std::uint64_t more);
   Status begin_log(Scene& scene);
   Status apply(Scene& scene, const std::string& updates);
   Status end_scene();

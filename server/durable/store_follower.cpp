@@ -61,7 +61,7 @@ Status StoreFollower::compare() {
     auto found = keeper_.find(head.id);
     if (found) {
       scenes_.adopt(std::move(*found));
-    } else if (found.error().code != Code::kNotFound) {
+    } else if (found.error().code != Code::kNotFound && found.error().code != Code::kDataLoss) {
       return found.error();
     }
   }

@@ -1,6 +1,8 @@
 // Keeps scenes in a store.
 #include "server/durable/store_keeper.h"
 
+#include <spdlog/spdlog.h>
+
 #include <memory>
 #include <optional>
 #include <utility>
@@ -48,7 +50,11 @@ Result<std::vector<scenes::SceneKeeper::Found>> StoreKeeper::find_all() {
   if (!records) return records.error();
   std::vector<Found> all;
   all.reserve(records->size());
-  for (const store::SceneRecord& record : *records) all.push_back(found(record));
+  for (const store::SceneRecord& record : *records) {
+    if (record.damaged)
+      spdlog::error("event=scene_damaged scene={} number={}", record.info.name, record.id);
+    all.push_back(found(record));
+  }
   return all;
 }
 

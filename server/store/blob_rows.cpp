@@ -2,6 +2,8 @@
 #include "server/store/blob_rows.h"
 
 #include <algorithm>
+#include <cstring>
+#include <set>
 #include <span>
 
 #include "server/store/milliseconds.h"
@@ -25,7 +27,45 @@ BlobRow read_row(const Row& row) {
   return blob;
 }
 
+std::uint64_t to_term(const blobs::BlobDigest& digest) {
+  std::uint64_t term = 0;
+  std::memcpy(&term, digest.sum.data(), sizeof(term));
+  return term;
+}
+
+Result<std::uint64_t> sum_rows(Database& database, const char* query, std::int64_t id) {
+  std::uint64_t sum = 0;
+  const Status read = database.each(
+      query,
+      [&](const Row& row) {
+        sum += to_term(read_row(row).digest);
+        return Status();
+      },
+      id);
+  if (!read) return read.error();
+  return sum;
+}
+
 }  // namespace
+
+std::uint64_t sum_of_blobs(std::span<const blobs::BlobDigest> blobs) {
+  std::uint64_t sum = 0;
+  for (const blobs::BlobDigest& digest : std::set(blobs.begin(), blobs.end()))
+    sum += to_term(digest);
+  return sum;
+}
+
+Result<std::uint64_t> sum_named_by_batch(Database& database, std::int64_t batch) {
+  return sum_rows(database,
+                  "SELECT id, sum, size FROM batch_blob JOIN blob ON id = blob WHERE batch = ?",
+                  batch);
+}
+
+Result<std::uint64_t> sum_named_by_snapshot(Database& database, std::int64_t snapshot) {
+  return sum_rows(
+      database, "SELECT id, sum, size FROM snapshot_blob JOIN blob ON id = blob WHERE snapshot = ?",
+      snapshot);
+}
 
 Status insert_blob(Database& database, const blobs::BlobDigest& digest,
                    std::chrono::system_clock::time_point now) {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,9 @@ struct BlobTotals {
   std::uint64_t bytes = 0;
 };
 
+/// Of all digests, in any order, each once.
+std::uint64_t sum_of_blobs(std::span<const blobs::BlobDigest> blobs);
+
 /// Errors of all: as Database.
 
 /// One that is there already stays.
@@ -40,6 +44,9 @@ Result<std::vector<blobs::BlobDigest>> blobs_named_by(Database& database, std::i
                                                       std::uint64_t base);
 /// Deletes the row unless something names the blob. Returns whether it was deleted.
 Result<bool> delete_unnamed(Database& database, std::int64_t blob);
+/// The sum of the blobs that the rows of a batch, or of a snapshot, name.
+Result<std::uint64_t> sum_named_by_batch(Database& database, std::int64_t batch);
+Result<std::uint64_t> sum_named_by_snapshot(Database& database, std::int64_t snapshot);
 /// Names of the scenes whose log or snapshots name the blob.
 Result<std::vector<std::string>> scenes_of_blob(Database& database, std::int64_t blob);
 /// The id of a blob that is about to be named. Errors: also kFailedPrecondition (BLOB_NOT_STORED).

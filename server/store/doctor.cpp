@@ -10,7 +10,8 @@
 #include "server/store/blob_files.h"
 #include "server/store/blob_rows.h"
 #include "server/store/data_directory.h"
-#include "server/store/log_rows.h"
+#include "server/store/head_marks.h"
+#include "server/store/history.h"
 #include "server/store/row_checks.h"
 
 namespace sightline::server::store {
@@ -18,17 +19,18 @@ namespace {
 
 class Doctor {
  public:
-  Doctor(const DataDirectory& directory, SqliteDatabase& database, bool repair)
+  Doctor(const DataDirectory& directory, SqliteDatabase& database, const Treatment& treatment)
       : files_(directory.files()),
         path_(directory.path()),
         database_(database),
         blobs_(files_, path_),
-        repair_(repair) {}
+        treatment_(treatment) {}
 
   Status examine() {
     if (Status checked = check_rows(database_, found_.findings); !checked) return checked;
+    if (Status checked = check_marks(); !checked) return checked;
     auto rows = all_blobs(database_);
-    if (!rows) return rows.error();
+    if (!rows) return was_found(rows.error()) ? Status() : Status(rows.error());
     for (const BlobRow& row : *rows) {
       if (Status checked = check_blob(row); !checked) return checked;
     }
@@ -38,6 +40,26 @@ class Doctor {
   Examination found() && { return std::move(found_); }
 
  private:
+  Status check_marks() {
+    auto marks = HeadMarks::open(files_, marks_file(path_));
+    if (!marks) return marks.error();
+    if (marks->damaged() > 0) {
+      found_.findings.push_back(
+          fmt::format("{}: {} marks are damaged", marks_file(path_).string(), marks->damaged()));
+    }
+    const auto compared = compare_history(database_, *marks);
+    if (!compared) return was_found(compared.error()) ? Status() : Status(compared.error());
+    for (const HistoryFinding& finding : *compared) found_.findings.push_back(finding.text);
+    if (!treatment_.accept_loss) return {};
+    auto lines = accept_history(database_, *marks);
+    if (!lines) return lines.error();
+    found_.repairs.insert(found_.repairs.end(), lines->begin(), lines->end());
+    return {};
+  }
+
+  /// Which has been found by then.
+  static bool was_found(const Error& error) { return error.code == Code::kDataLoss; }
+
   Status check_blob(const BlobRow& row) {
     const auto mapped = blobs_.map(row.digest);
     std::string wrong;
@@ -54,7 +76,7 @@ class Doctor {
     found_.findings.push_back(scenes->empty()
                                   ? wrong + "; no scene uses it"
                                   : fmt::format("{}; used by {}", wrong, fmt::join(*scenes, ", ")));
-    return repair_ ? move_aside(row.digest) : Status();
+    return treatment_.repair ? move_aside(row.digest) : Status();
   }
 
   /// The row stays, as scenes name it: a new upload gives it a file again.
@@ -91,7 +113,7 @@ class Doctor {
         fmt::format("{} ({} bytes) is not named by the database; nothing is "
                     "lost",
                     file.path.string(), file.size));
-    if (!repair_) return {};
+    if (!treatment_.repair) return {};
     if (Status removed = files_.remove(file.path); !removed) return removed;
     found_.repairs.push_back("removed " + file.path.string());
     return {};
@@ -101,14 +123,14 @@ class Doctor {
   const std::filesystem::path& path_;
   SqliteDatabase& database_;
   BlobFiles blobs_;
-  const bool repair_;
+  const Treatment treatment_;
   Examination found_;
 };
 
 }  // namespace
 
 Result<Examination> examine(FileSystem& files, const std::filesystem::path& directory,
-                            bool repair) {
+                            const Treatment& treatment) {
   const auto file = database_file(directory);
   if (!files.exists(file)) {
     return Error{
@@ -120,7 +142,7 @@ Result<Examination> examine(FileSystem& files, const std::filesystem::path& dire
   if (!opened) return opened.error();
   auto database = opened->open_database();
   if (!database) return database.error();
-  Doctor doctor(*opened, *database, repair);
+  Doctor doctor(*opened, *database, treatment);
   if (const Status done = doctor.examine(); !done) return done.error();
   return std::move(doctor).found();
 }

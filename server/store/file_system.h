@@ -43,6 +43,11 @@ class FileSystem {
   /// Writes all the bytes at the end of what was written. `path`: for errors, as below.
   virtual Status write(const net::Descriptor& file, std::span<const std::byte> bytes,
                        const Path& path) = 0;
+  /// Opens a file for writing in place. It is made if it is missing.
+  virtual Result<net::Descriptor> open(const Path& file) = 0;
+  /// Writes all the bytes at an offset.
+  virtual Status write_at(const net::Descriptor& file, std::span<const std::byte> bytes,
+                          std::uint64_t offset, const Path& path) = 0;
   /// Returns when what was written is on disk.
   virtual Status sync(const net::Descriptor& file, const Path& path) = 0;
   /// Returns when the names in the directory are on disk.

@@ -116,6 +116,26 @@ class LocalFiles final : public FileSystem {
     return write_all(file.number(), bytes, path);
   }
 
+  Result<net::Descriptor> open(const Path& file) override {
+    net::Descriptor opened(
+        repeat([&] { return ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, kFileMode); }));
+    if (!opened) return failed("open", file);
+    return opened;
+  }
+
+  Status write_at(const net::Descriptor& file, std::span<const std::byte> bytes,
+                  std::uint64_t offset, const Path& path) override {
+    while (!bytes.empty()) {
+      const ssize_t written = repeat([&] {
+        return ::pwrite(file.number(), bytes.data(), bytes.size(), static_cast<off_t>(offset));
+      });
+      if (written < 0) return failed("write", path);
+      bytes = bytes.subspan(static_cast<std::size_t>(written));
+      offset += static_cast<std::uint64_t>(written);
+    }
+    return {};
+  }
+
   Status sync(const net::Descriptor& file, const Path& path) override {
     return sync_number(file.number(), path);
   }

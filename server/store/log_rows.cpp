@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "server/store/answer_rows.h"
 #include "server/store/blob_rows.h"
 #include "server/store/checksum.h"
@@ -14,31 +16,17 @@
 namespace sightline::server::store {
 namespace {
 
-struct Head {
-  std::uint64_t revision = 0;
-  std::uint64_t base = 0;
-  std::uint64_t logged = 0;
-  std::uint64_t base_logged = 0;
-};
-
-Result<Head> find_head(Database& database, SceneId scene) {
-  Head head;
-  bool found = false;
-  const Status read = database.each(
-      "SELECT revision, base, logged, base_logged FROM scene WHERE id = ? AND removed = 0",
-      [&](const Row& row) {
-        found = true;
-        head = {row.unsigned_number(0), row.unsigned_number(1), row.unsigned_number(2),
-                row.unsigned_number(3)};
-        return Status();
-      },
-      scene);
-  if (!read) return read.error();
-  if (!found) return no_scene(scene);
-  return head;
+Error damaged_batch(const Database& database, SceneId scene, std::uint64_t revision) {
+  return database.corrupt(fmt::format(
+      "revision {} of the scene with the number {} does not match its checksum", revision, scene));
 }
 
-Status check_log(const Head& head, std::uint64_t bytes, const StoreLimits& limits) {
+Error missing_batch(const Database& database, SceneId scene, std::uint64_t revision) {
+  return database.corrupt(
+      fmt::format("revision {} of the scene with the number {} is missing", revision, scene));
+}
+
+Status check_log(const SceneRow& head, std::uint64_t bytes, const StoreLimits& limits) {
   if (head.revision - head.base >= limits.log_revisions) {
     return over_limit("log_revisions", head.revision - head.base + 1, limits.log_revisions,
                       "LOG_FULL");
@@ -50,33 +38,47 @@ Status check_log(const Head& head, std::uint64_t bytes, const StoreLimits& limit
   return {};
 }
 
-Status insert_updates(Database& database, const Batch& batch, const Head& head,
+Status insert_updates(Database& database, const Batch& batch, SceneRow& head,
                       std::chrono::system_clock::time_point now) {
   const auto bytes = as_bytes(*batch.updates);
-  const std::uint64_t revision = head.revision + 1;
-  const std::uint64_t logged = head.logged + bytes.size();
+  head.revision += 1;
+  head.logged += bytes.size();
+  const BatchRow row{head.key,
+                     head.revision,
+                     to_milliseconds(now),
+                     head.logged,
+                     sum_of_blobs(batch.blobs),
+                     checksum_of(bytes)};
   const auto id = database.number(
-      "INSERT INTO batch(scene, revision, time, logged, checksum, updates) "
-      "VALUES(?, ?, ?, ?, ?, ?) RETURNING id",
-      batch.scene, revision, to_milliseconds(now), logged, checksum_of(bytes), bytes);
+      "INSERT INTO batch(scene, revision, time, logged, checksum, updates, named, seal) "
+      "VALUES(?, ?, ?, ?, ?, ?, ?, ?) RETURNING id",
+      batch.scene, row.revision, row.time, row.logged, row.checksum, bytes, row.named, row.seal());
   if (!id) return id.error();
-  Status done;
-  for (std::size_t i = 0; done && i < batch.blobs.size(); ++i) {
-    const auto blob = need_blob(database, batch.blobs[i]);
+  for (const blobs::BlobDigest& digest : batch.blobs) {
+    const auto blob = need_blob(database, digest);
     if (!blob) return blob.error();
-    done =
+    Status done =
         database.execute("INSERT INTO batch_blob VALUES(?, ?) ON CONFLICT DO NOTHING", **id, *blob);
+    if (!done) return done;
   }
-  if (!done) return done;
-  return database.execute("UPDATE scene SET revision = ?, logged = ? WHERE id = ?", revision,
-                          logged, batch.scene);
+  return {};
 }
 
 }  // namespace
 
+std::int64_t BatchRow::seal() const {
+  return Seal(RowKind::kBatch, scene)
+      .add(revision)
+      .add(time)
+      .add(logged)
+      .add(named)
+      .add(checksum)
+      .value();
+}
+
 Status insert_batch(Database& database, const Batch& batch, const StoreLimits& limits,
                     std::chrono::system_clock::time_point now) {
-  const auto head = find_head(database, batch.scene);
+  auto head = read_scene(database, batch.scene);
   if (!head) return head.error();
   if (batch.after != nullptr && !batch.after->kept) {
     return Error{Code::kAborted,
@@ -94,18 +96,17 @@ Status insert_batch(Database& database, const Batch& batch, const StoreLimits& l
     if (Status done = insert_updates(database, batch, *head, now); !done) return done;
   }
   if (batch.answer) {
-    if (Status done = insert_answer(database, batch.scene, *batch.answer, limits); !done)
-      return done;
+    if (Status done = insert_answer(database, *head, *batch.answer, limits); !done) return done;
   }
   for (const ProducerCommit& commit : batch.commits) {
-    if (Status done = insert_commit(database, batch.scene, commit, limits); !done) return done;
+    if (Status done = insert_commit(database, *head, commit, limits); !done) return done;
   }
-  return {};
+  return write_scene(database, *head);
 }
 
 Result<std::vector<LoggedBatch>> read_batches(Database& database, SceneId scene,
                                               std::uint64_t after, std::uint64_t max_bytes) {
-  const auto head = find_head(database, scene);
+  const auto head = read_scene(database, scene);
   if (!head) return head.error();
   if (after < head->base) {
     return Error{Code::kOutOfRange,
@@ -121,32 +122,50 @@ Result<std::vector<LoggedBatch>> read_batches(Database& database, SceneId scene,
     bool found = false;
     bool fits = true;
     const Status read = database.each(
-        "SELECT time, checksum, updates FROM batch WHERE scene = ? AND revision = ?",
+        "SELECT time, logged, named, checksum, seal, updates FROM batch "
+        "WHERE scene = ? AND revision = ?",
         [&](const Row& row) -> Status {
           found = true;
-          const auto updates = row.bytes(2);
+          const auto updates = row.bytes(5);
           fits = batches.empty() || updates.size() <= max_bytes - bytes;
           if (!fits) return {};
-          if (checksum_of(updates) != row.number(1)) {
-            return database.corrupt(
-                fmt::format("revision {} of the scene with the number "
-                            "{} does not match its checksum",
-                            next + 1, scene));
-          }
+          const BatchRow batch{head->key,
+                               next + 1,
+                               row.number(0),
+                               row.unsigned_number(1),
+                               row.unsigned_number(2),
+                               checksum_of(updates)};
+          if (batch.checksum != row.number(3) || batch.seal() != row.number(4))
+            return damaged_batch(database, scene, next + 1);
           bytes += updates.size();
-          batches.push_back({next + 1, from_milliseconds(row.number(0)), row.copy_of_bytes(2)});
+          batches.push_back({next + 1, from_milliseconds(batch.time), row.copy_of_bytes(5)});
           return {};
         },
         scene, next + 1);
     if (!read) return read.error();
-    if (!found) {
-      return database.corrupt(
-          fmt::format("revision {} of the scene with the number {} is missing", next + 1, scene));
-    }
+    if (!found) return missing_batch(database, scene, next + 1);
     if (!fits) break;
     ++next;
   }
   return batches;
+}
+
+Result<std::uint64_t> logged_at(Database& database, const SceneKey& scene, std::uint64_t revision) {
+  std::optional<std::uint64_t> logged;
+  const Status read = database.each(
+      "SELECT time, logged, named, checksum, seal FROM batch WHERE scene = ? AND revision = ?",
+      [&](const Row& row) -> Status {
+        const BatchRow batch{
+            scene,        revision, row.number(0), row.unsigned_number(1), row.unsigned_number(2),
+            row.number(3)};
+        if (batch.seal() != row.number(4)) return damaged_batch(database, scene.id, revision);
+        logged = batch.logged;
+        return {};
+      },
+      scene.id, revision);
+  if (!read) return read.error();
+  if (!logged) return missing_batch(database, scene.id, revision);
+  return *logged;
 }
 
 }  // namespace sightline::server::store

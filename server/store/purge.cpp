@@ -4,41 +4,43 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <utility>
+
+#include "server/store/scene_rows.h"
 
 namespace sightline::server::store {
 namespace {
 
-/// A scene with garbage.
-struct Garbage {
-  std::int64_t scene = 0;
-  bool removed = false;
-  std::int64_t up_to = 0;  // batches of these revisions
-};
-
 constexpr const char* kFindGarbage =
-    "SELECT id, removed, base FROM scene WHERE garbage = 1 LIMIT 1";
+    "SELECT id FROM scene WHERE garbage = 1 AND id > ? ORDER BY id LIMIT 1";
 /// Where others write, too, the row is held until the transaction ends, so that nothing becomes
 /// garbage while it is said that there is none.
 constexpr const char* kHoldGarbage =
-    "SELECT id, removed, base FROM scene WHERE garbage = 1 LIMIT 1 FOR UPDATE SKIP LOCKED";
+    "SELECT id FROM scene WHERE garbage = 1 AND id > ? ORDER BY id LIMIT 1 FOR UPDATE SKIP LOCKED";
 
-Result<Garbage> find_garbage(Database& database) {
-  Garbage garbage;
-  const Status read =
-      database.each(database.shared() ? kHoldGarbage : kFindGarbage, [&](const Row& row) {
-        garbage.scene = row.number(0);
-        garbage.removed = row.number(1) != 0;
-        garbage.up_to = garbage.removed ? std::numeric_limits<std::int64_t>::max() : row.number(2);
-        return Status();
-      });
-  if (!read) return read.error();
-  return garbage;
+/// Passes over rows that are damaged: what they call garbage may be what is served. Nothing: there
+/// is none.
+Result<std::optional<SceneRow>> find_garbage(Database& database) {
+  for (SceneId last = 0;;) {
+    const auto id = database.number(database.shared() ? kHoldGarbage : kFindGarbage, last);
+    if (!id) return id.error();
+    if (!*id || **id <= last) return std::optional<SceneRow>();
+    last = **id;
+    auto row = lock_scene(database, last);
+    if (row && row->garbage) return std::optional(std::move(*row));
+    if (!row && row.error().code != Code::kDataLoss && row.error().code != Code::kNotFound)
+      return row.error();
+  }
 }
 
-/// Children before the rows that they belong to. Each statement deletes a bounded number.
+/// Children before the rows that they belong to. Each statement deletes a bounded number. Where a
+/// damaged index leads to rows of another scene, these stay: + keeps a condition from being looked
+/// up in an index.
 constexpr std::array<const char*, 4> kGarbage{
     "DELETE FROM batch WHERE id IN "
-    "(SELECT id FROM batch WHERE scene = ?1 AND revision <= ?2 ORDER BY revision LIMIT 256)",
+    "(SELECT id FROM batch WHERE scene = ?1 AND revision <= ?2 ORDER BY revision LIMIT 256) "
+    "AND +scene = ?1 AND +revision <= ?2",
     "DELETE FROM snapshot_chunk WHERE id IN (SELECT snapshot_chunk.id FROM snapshot_chunk "
     "JOIN snapshot ON snapshot = snapshot.id WHERE scene = ?1 AND (state = 2 OR ?3 = 1) LIMIT 8)",
     "DELETE FROM snapshot_blob WHERE (snapshot, blob) IN (SELECT snapshot, blob FROM snapshot_blob "
@@ -50,7 +52,8 @@ constexpr std::array<const char*, 4> kGarbage{
 };
 /// Only of scenes that were removed.
 constexpr std::array<const char*, 3> kWriters{
-    "DELETE FROM answer WHERE id IN (SELECT id FROM answer WHERE scene = ?1 LIMIT 256)",
+    "DELETE FROM answer WHERE id IN (SELECT id FROM answer WHERE scene = ?1 LIMIT 256) "
+    "AND +scene = ?1",
     "DELETE FROM put WHERE (scene, producer, sequence) IN "
     "(SELECT scene, producer, sequence FROM put WHERE scene = ?1 LIMIT 256)",
     "DELETE FROM producer WHERE (scene, name) IN (SELECT scene, name FROM producer AS p "
@@ -59,17 +62,20 @@ constexpr std::array<const char*, 3> kWriters{
 };
 
 /// Returns how many rows were deleted.
-Result<std::int64_t> delete_some(Database& database, const Garbage& garbage) {
+Result<std::int64_t> delete_some(Database& database, const SceneRow& scene) {
   std::int64_t deleted = 0;
-  const std::int64_t removed = garbage.removed ? 1 : 0;
+  const std::int64_t removed = scene.removed ? 1 : 0;
+  // Batches of these revisions.
+  const std::int64_t up_to = scene.removed ? std::numeric_limits<std::int64_t>::max()
+                                           : static_cast<std::int64_t>(scene.base);
   for (const char* query : kGarbage) {
-    if (const Status done = database.execute(query, garbage.scene, garbage.up_to, removed); !done)
+    if (const Status done = database.execute(query, scene.key.id, up_to, removed); !done)
       return done.error();
     deleted += database.changes();
   }
   for (const char* query : kWriters) {
-    if (!garbage.removed) break;
-    if (const Status done = database.execute(query, garbage.scene); !done) return done.error();
+    if (!scene.removed) break;
+    if (const Status done = database.execute(query, scene.key.id); !done) return done.error();
     deleted += database.changes();
   }
   return deleted;
@@ -78,16 +84,17 @@ Result<std::int64_t> delete_some(Database& database, const Garbage& garbage) {
 }  // namespace
 
 Result<bool> purge_some(Database& database) {
-  const auto garbage = find_garbage(database);
+  auto garbage = find_garbage(database);
   if (!garbage) return garbage.error();
-  if (garbage->scene == 0) return false;
-  const auto deleted = delete_some(database, *garbage);
+  if (!*garbage) return false;
+  SceneRow& scene = **garbage;
+  const auto deleted = delete_some(database, scene);
   if (!deleted) return deleted.error();
   if (*deleted > 0) return true;
-  const Status done =
-      garbage->removed
-          ? database.execute("DELETE FROM scene WHERE id = ?", garbage->scene)
-          : database.execute("UPDATE scene SET garbage = 0 WHERE id = ?", garbage->scene);
+  scene.garbage = false;
+  const Status done = scene.removed
+                          ? database.execute("DELETE FROM scene WHERE id = ?", scene.key.id)
+                          : write_scene(database, scene);
   if (!done) return done.error();
   return true;
 }

@@ -9,9 +9,10 @@
 
 namespace sightline::server::store {
 
-/// Adds a line to `findings` for each damage: pages of the file, rows that name missing rows, gaps
-/// in the revisions of a log, rows that do not match their checksums, snapshots that are missing
-/// or incomplete. Errors: as Database, unless the database itself says what is damaged.
+/// Adds a line to `findings` for each damage: pages and indexes of the file, rows that name missing
+/// rows, rows that do not match their checksums or belong to another scene, gaps in the revisions
+/// of a log, logs that end before or after the newest revision, rows, chunks or names of meshes
+/// that are missing. Errors: as Database, unless the database itself says what is damaged.
 Status check_rows(SqliteDatabase& database, std::vector<std::string>& findings);
 
 }  // namespace sightline::server::store

@@ -50,28 +50,29 @@ Result<SceneId> RowStore::create_scene(const SceneInfo& info) {
 Result<SceneId> RowStore::restore_scene(const SceneInfo& info, std::uint64_t revision,
                                         const std::vector<blobs::BlobDigest>& blobs,
                                         const NextChunk& next, bool replace) {
-  RestoredScene restored;
+  SnapshotRow base;
   if (const Status fits = admit(info.name.size()); !fits) return fits.error();
   Status done = writer_.perform(0, [&](Database& database) -> Status {
-    const auto begun = begin_restored(database, info, revision);
+    const auto begun = begin_restored(database, info, revision, blobs);
     if (!begun) return begun.error();
-    restored = *begun;
+    base = *begun;
     return {};
   });
   if (!done) return done.error();
-  done = write_snapshot(restored.snapshot, blobs, next);
-  if (done) {
-    done = writer_.perform(
-        0, [&](Database& database) { return publish_restored(database, restored, replace); });
-  }
+  const auto chunks = write_snapshot(base, blobs, next);
+  done = chunks ? writer_.perform(0,
+                                  [&](Database& database) {
+                                    return publish_restored(database, base, *chunks, replace);
+                                  })
+                : Status(chunks.error());
   // Another process has published a scene of this name at the same time.
   if (!done && done.error().reason == "CONSTRAINT") done = scene_exists(info.name);
   if (!done) {
-    drop_snapshot(restored.snapshot);
+    drop_snapshot(base);
     return done.error();
   }
   rows_dropped();
-  return restored.scene;
+  return base.scene.id;
 }
 
 Status RowStore::remove_scene(SceneId scene) {
@@ -148,19 +149,20 @@ Result<std::optional<ProducerRecord>> RowStore::producer(SceneId scene, const st
 
 Status RowStore::put_snapshot(SceneId scene, std::uint64_t revision,
                               const std::vector<blobs::BlobDigest>& blobs, const NextChunk& next) {
-  std::int64_t snapshot = 0;
+  SnapshotRow snapshot;
   Status done = writer_.perform(scene, [&](Database& database) -> Status {
-    const auto begun = begin_snapshot(database, scene, revision);
+    const auto begun = begin_snapshot(database, scene, revision, blobs);
     if (!begun) return begun.error();
     snapshot = *begun;
     return {};
   });
   if (!done) return done;
-  done = write_snapshot(snapshot, blobs, next);
-  if (done) {
-    done = writer_.perform(
-        scene, [&](Database& database) { return complete_snapshot(database, snapshot); });
-  }
+  const auto chunks = write_snapshot(snapshot, blobs, next);
+  done = chunks ? writer_.perform(scene,
+                                  [&](Database& database) {
+                                    return complete_snapshot(database, snapshot, *chunks);
+                                  })
+                : Status(chunks.error());
   if (done) return done;
   drop_snapshot(snapshot);
   // A scene that was removed meanwhile takes its rows along.
@@ -169,33 +171,34 @@ Status RowStore::put_snapshot(SceneId scene, std::uint64_t revision,
   return record ? done : record.error();
 }
 
-Status RowStore::write_snapshot(std::int64_t snapshot, const std::vector<blobs::BlobDigest>& blobs,
-                                const NextChunk& next) {
+/// Returns the number of chunks.
+Result<std::uint64_t> RowStore::write_snapshot(const SnapshotRow& snapshot,
+                                               const std::vector<blobs::BlobDigest>& blobs,
+                                               const NextChunk& next) {
   for (std::size_t i = 0; i < blobs.size(); i += kNamedAtOnce) {
     const auto some = std::span(blobs).subspan(i, std::min(kNamedAtOnce, blobs.size() - i));
-    Status named = writer_.perform(
-        0, [&](Database& database) { return name_blobs(database, snapshot, some); });
-    if (!named) return named;
+    const Status named = writer_.perform(
+        0, [&](Database& database) { return name_blobs(database, snapshot.id, some); });
+    if (!named) return named.error();
   }
   for (std::uint64_t number = 0;; ++number) {
     const auto chunk = next();
     if (!chunk) return chunk.error();
-    if (chunk->empty()) break;
+    if (chunk->empty()) return number;
     if (chunk->size() > kMaxSnapshotChunk) {
       return Error{Code::kInvalidArgument,
                    fmt::format("a chunk of a snapshot has {} bytes, the limit is {}", chunk->size(),
                                kMaxSnapshotChunk),
                    "CHUNK_TOO_LARGE"};
     }
-    if (Status fits = admit(chunk->size()); !fits) return fits;
-    Status stored = writer_.perform(
+    if (const Status fits = admit(chunk->size()); !fits) return fits.error();
+    const Status stored = writer_.perform(
         0, [&](Database& database) { return insert_chunk(database, snapshot, number, *chunk); });
-    if (!stored) return stored;
+    if (!stored) return stored.error();
   }
-  return {};
 }
 
-void RowStore::drop_snapshot(std::int64_t snapshot) {
+void RowStore::drop_snapshot(const SnapshotRow& snapshot) {
   (void)writer_.perform(0,
                         [&](Database& database) { return abandon_snapshot(database, snapshot); });
   rows_dropped();

@@ -8,6 +8,7 @@
 
 #include "proto/result.h"
 #include "server/store/reader.h"
+#include "server/store/snapshot_rows.h"
 #include "server/store/store.h"
 #include "server/store/writer.h"
 
@@ -59,9 +60,10 @@ class RowStore : public Store {
   /// Rows may have become garbage.
   virtual void rows_dropped() = 0;
 
-  Status write_snapshot(std::int64_t snapshot, const std::vector<blobs::BlobDigest>& blobs,
-                        const NextChunk& next);
-  void drop_snapshot(std::int64_t snapshot);
+  Result<std::uint64_t> write_snapshot(const SnapshotRow& snapshot,
+                                       const std::vector<blobs::BlobDigest>& blobs,
+                                       const NextChunk& next);
+  void drop_snapshot(const SnapshotRow& snapshot);
 
   Writer& writer_;
   Reader& reader_;

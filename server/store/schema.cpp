@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <string>
 #include <vector>
 
 #include "server/store/checksum.h"
+#include "server/store/reseal.h"
 
 namespace sightline::server::store {
 namespace {
@@ -14,8 +16,10 @@ namespace {
 /// "SLst", in the header of the file.
 constexpr int kApplicationId = 0x534C7374;
 
-// Rows of a scene that was removed, or that its base has passed, are garbage: purge.cpp deletes
-// them step by step. `logged` counts the bytes of updates since the scene was made.
+// `seal` covers a row (seal.h); `named`: sum of the blobs that rows name; `uid`, `edits`, `lost`
+// and the sums: scene_rows.h. Rows of a scene that was removed, or that its base has passed, are
+// garbage: purge.cpp deletes them step by step. `logged` counts the bytes of updates since the
+// scene was made.
 constexpr const char* kTables = R"(
   CREATE TABLE scene(
     id INTEGER PRIMARY KEY AUTOINCREMENT,
@@ -30,7 +34,13 @@ constexpr const char* kTables = R"(
     answers INTEGER NOT NULL DEFAULT 0,
     answer_nodes INTEGER NOT NULL DEFAULT 0,
     removed INTEGER NOT NULL DEFAULT 0,
-    garbage INTEGER NOT NULL DEFAULT 0) STRICT;
+    garbage INTEGER NOT NULL DEFAULT 0,
+    uid INTEGER NOT NULL DEFAULT 0,
+    answer_sum INTEGER NOT NULL DEFAULT 0,
+    producer_sum INTEGER NOT NULL DEFAULT 0,
+    edits INTEGER NOT NULL DEFAULT 0,
+    lost INTEGER NOT NULL DEFAULT 0,
+    seal INTEGER NOT NULL DEFAULT 0) STRICT;
   CREATE UNIQUE INDEX scene_name ON scene(name) WHERE removed = 0;
   CREATE INDEX scene_garbage ON scene(id) WHERE garbage = 1;
 
@@ -48,6 +58,8 @@ constexpr const char* kTables = R"(
     logged INTEGER NOT NULL,
     checksum INTEGER NOT NULL,
     updates BLOB NOT NULL,
+    named INTEGER NOT NULL DEFAULT 0,
+    seal INTEGER NOT NULL DEFAULT 0,
     UNIQUE(scene, revision)) STRICT;
   CREATE TABLE batch_blob(
     batch INTEGER NOT NULL REFERENCES batch(id) ON DELETE CASCADE,
@@ -63,6 +75,7 @@ constexpr const char* kTables = R"(
     revision INTEGER NOT NULL,
     node_count INTEGER NOT NULL,
     nodes BLOB NOT NULL,
+    seal INTEGER NOT NULL DEFAULT 0,
     UNIQUE(scene, request_id)) STRICT;
   CREATE INDEX answer_order ON answer(scene);
 
@@ -70,6 +83,7 @@ constexpr const char* kTables = R"(
     scene INTEGER NOT NULL REFERENCES scene(id),
     name TEXT NOT NULL,
     last_committed INTEGER NOT NULL,
+    seal INTEGER NOT NULL DEFAULT 0,
     PRIMARY KEY(scene, name)) STRICT, WITHOUT ROWID;
   CREATE TABLE put(
     scene INTEGER NOT NULL,
@@ -77,6 +91,7 @@ constexpr const char* kTables = R"(
     sequence INTEGER NOT NULL,
     node_count INTEGER NOT NULL,
     nodes BLOB NOT NULL,
+    seal INTEGER NOT NULL DEFAULT 0,
     PRIMARY KEY(scene, producer, sequence),
     FOREIGN KEY(scene, producer) REFERENCES producer(scene, name)) STRICT, WITHOUT ROWID;
 
@@ -84,7 +99,10 @@ constexpr const char* kTables = R"(
     id INTEGER PRIMARY KEY,
     scene INTEGER NOT NULL REFERENCES scene(id),
     revision INTEGER NOT NULL,
-    state INTEGER NOT NULL) STRICT;
+    state INTEGER NOT NULL,
+    chunks INTEGER NOT NULL DEFAULT 0,
+    named INTEGER NOT NULL DEFAULT 0,
+    seal INTEGER NOT NULL DEFAULT 0) STRICT;
   CREATE UNIQUE INDEX snapshot_revision ON snapshot(scene, revision) WHERE state < 2;
   CREATE INDEX snapshot_scene ON snapshot(scene);
   CREATE TABLE snapshot_chunk(
@@ -93,6 +111,7 @@ constexpr const char* kTables = R"(
     number INTEGER NOT NULL,
     checksum INTEGER NOT NULL,
     data BLOB NOT NULL,
+    seal INTEGER NOT NULL DEFAULT 0,
     UNIQUE(snapshot, number)) STRICT;
   CREATE TABLE snapshot_blob(
     snapshot INTEGER NOT NULL REFERENCES snapshot(id),
@@ -100,6 +119,12 @@ constexpr const char* kTables = R"(
     PRIMARY KEY(snapshot, blob)) STRICT, WITHOUT ROWID;
   CREATE INDEX snapshot_blob_blob ON snapshot_blob(blob);
 )";
+
+/// Figures of the store. `tables`: checksum of their definitions; `marked`: 1 once there is a file
+/// of marks beside the database.
+constexpr const char* kFigures =
+    "CREATE TABLE figure(name TEXT NOT NULL PRIMARY KEY, value INTEGER NOT NULL) STRICT;"
+    "INSERT INTO figure VALUES('tables', 0), ('marked', 0)";
 
 /// Version 1 had no checksums of updates.
 Status add_checksums(SqliteDatabase& database) {
@@ -127,10 +152,61 @@ Status add_checksums(SqliteDatabase& database) {
   return {};
 }
 
+/// Version 2 had checksums of bytes only.
+Status add_seals(SqliteDatabase& database) {
+  Status done = database.run(
+      "ALTER TABLE scene ADD COLUMN uid INTEGER NOT NULL DEFAULT 0;"
+      "ALTER TABLE scene ADD COLUMN answer_sum INTEGER NOT NULL DEFAULT 0;"
+      "ALTER TABLE scene ADD COLUMN producer_sum INTEGER NOT NULL DEFAULT 0;"
+      "ALTER TABLE scene ADD COLUMN edits INTEGER NOT NULL DEFAULT 0;"
+      "ALTER TABLE scene ADD COLUMN lost INTEGER NOT NULL DEFAULT 0;"
+      "ALTER TABLE scene ADD COLUMN seal INTEGER NOT NULL DEFAULT 0;"
+      "ALTER TABLE batch ADD COLUMN named INTEGER NOT NULL DEFAULT 0;"
+      "ALTER TABLE batch ADD COLUMN seal INTEGER NOT NULL DEFAULT 0;"
+      "ALTER TABLE answer ADD COLUMN seal INTEGER NOT NULL DEFAULT 0;"
+      "ALTER TABLE producer ADD COLUMN seal INTEGER NOT NULL DEFAULT 0;"
+      "ALTER TABLE put ADD COLUMN seal INTEGER NOT NULL DEFAULT 0;"
+      "ALTER TABLE snapshot ADD COLUMN chunks INTEGER NOT NULL DEFAULT 0;"
+      "ALTER TABLE snapshot ADD COLUMN named INTEGER NOT NULL DEFAULT 0;"
+      "ALTER TABLE snapshot ADD COLUMN seal INTEGER NOT NULL DEFAULT 0;"
+      "ALTER TABLE snapshot_chunk ADD COLUMN seal INTEGER NOT NULL DEFAULT 0");
+  if (done) done = database.run(kFigures);
+  return done ? seal_all(database) : done;
+}
+
 /// Entry v - 1 brings version v to the next.
-constexpr std::array<Status (*)(SqliteDatabase&), kSchemaVersion - 1> kMigrations{add_checksums};
+constexpr std::array<Status (*)(SqliteDatabase&), kSchemaVersion - 1> kMigrations{add_checksums,
+                                                                                  add_seals};
+
+/// Not of where tables begin, which a VACUUM changes, nor of what ANALYZE adds.
+Result<std::int64_t> checksum_of_tables(SqliteDatabase& database) {
+  std::string all;
+  const Status read = database.each(
+      "SELECT type, name, tbl_name, coalesce(sql, '') FROM sqlite_schema "
+      "WHERE name NOT LIKE 'sqlite_stat%' ORDER BY type, name",
+      [&](const Row& row) {
+        for (int column = 0; column < 4; ++column) all += row.text(column) + '\n';
+        return Status();
+      });
+  if (!read) return read.error();
+  return checksum_of(as_bytes(all));
+}
+
+Status check_tables(SqliteDatabase& database) {
+  const auto made = database.number("SELECT value FROM figure WHERE name = 'tables'");
+  if (!made) return made.error();
+  const auto found = checksum_of_tables(database);
+  if (!found) return found.error();
+  if (*made == *found) return {};
+  return database.corrupt("the definitions of its tables are not those that it was made with");
+}
 
 Status set_version(SqliteDatabase& database) {
+  const auto tables = checksum_of_tables(database);
+  if (!tables) return tables.error();
+  if (Status set = database.execute("UPDATE figure SET value = ? WHERE name = 'tables'", *tables);
+      !set)
+    return set;
   return database.run(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
                                   kApplicationId, kSchemaVersion)
                           .c_str());
@@ -154,7 +230,9 @@ Error foreign(const SqliteDatabase& database) {
 /// Makes or migrates the tables, in a transaction.
 Status bring_up(SqliteDatabase& database, std::int64_t version) {
   if (version == 0) {
-    if (Status made = database.run(kTables); !made) return made;
+    Status made = database.run(kTables);
+    if (made) made = database.run(kFigures);
+    if (!made) return made;
   } else {
     for (auto step = static_cast<std::size_t>(version - 1); step < kMigrations.size(); ++step) {
       if (Status migrated = kMigrations[step](database); !migrated) return migrated;
@@ -189,7 +267,7 @@ Status prepare_tables(SqliteDatabase& database) {
   const bool fresh = **version == 0 && **application == 0 && **tables == 0;
   if (!fresh && **application != kApplicationId) return foreign(database);
   if (**version > kSchemaVersion) return newer(database, **version);
-  if (**version == kSchemaVersion) return {};
+  if (**version == kSchemaVersion) return check_tables(database);
   if (Status begun = database.run("BEGIN IMMEDIATE"); !begun) return begun;
   Status done = bring_up(database, **version);
   if (done) done = database.commit();

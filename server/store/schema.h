@@ -7,7 +7,7 @@
 namespace sightline::server::store {
 
 /// Of the tables that this program writes.
-inline constexpr int kSchemaVersion = 2;
+inline constexpr int kSchemaVersion = 3;
 
 /// Sets the connection up: durable commits, write-ahead log, foreign keys. Errors: as
 /// Database.
@@ -15,7 +15,7 @@ Status configure(SqliteDatabase& database);
 
 /// Makes the tables of a new file, or brings those of an older version up to this one. Errors:
 /// kFailedPrecondition (STORE_NEWER: a newer version has written the file; NOT_A_STORE: another
-/// program has), as Database.
+/// program has), kDataLoss (STORE_CORRUPT: the tables are not as they were made), as Database.
 Status prepare_tables(SqliteDatabase& database);
 
 }  // namespace sightline::server::store

@@ -1,13 +1,16 @@
-// The tables of snapshots. States: 0 being written, 1 complete, 2 garbage.
+// The tables of snapshots.
 #include "server/store/snapshot_rows.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include "server/store/blob_rows.h"
 #include "server/store/checksum.h"
 #include "server/store/errors.h"
+#include "server/store/log_rows.h"
 #include "server/store/scene_rows.h"
 
 namespace sightline::server::store {
@@ -20,16 +23,61 @@ Error no_snapshot(SceneId scene, std::uint64_t revision, Code code) {
       "NO_SNAPSHOT"};
 }
 
-Result<std::int64_t> find_snapshot(Database& database, SceneId scene, std::uint64_t revision,
-                                   Code missing) {
-  const auto id = database.number(
-      "SELECT id FROM snapshot WHERE scene = ? AND revision = ? AND state = 1", scene, revision);
-  if (!id) return id.error();
-  if (!*id) return no_snapshot(scene, revision, missing);
-  return **id;
+Error damaged_snapshot(const Database& database, SceneId scene, std::uint64_t revision) {
+  return database.corrupt(
+      fmt::format("the snapshot of revision {} of the scene with the number {} "
+                  "does not match its checksum",
+                  revision, scene));
 }
 
-Status check_range(const SceneRecord& scene, std::uint64_t revision) {
+/// Those of a scene that match their seals.
+Result<std::vector<SnapshotRow>> sound_rows(Database& database, const SceneKey& scene) {
+  std::vector<SnapshotRow> rows;
+  const Status read = database.each(
+      "SELECT id, revision, state, chunks, named, seal FROM snapshot WHERE scene = ? "
+      "ORDER BY revision, id",
+      [&](const Row& row) {
+        const SnapshotRow snapshot{
+            row.number(0),          scene,
+            row.unsigned_number(1), static_cast<SnapshotState>(row.number(2)),
+            row.unsigned_number(3), row.unsigned_number(4)};
+        if (snapshot.seal() == row.number(5)) rows.push_back(snapshot);
+        return Status();
+      },
+      scene.id);
+  if (!read) return read.error();
+  return rows;
+}
+
+Result<SnapshotRow> find_snapshot(Database& database, const SceneRow& scene, std::uint64_t revision,
+                                  Code missing) {
+  const auto rows = complete_snapshots(database, scene.key);
+  if (!rows) return rows.error();
+  const auto found = std::ranges::find(*rows, revision, &SnapshotRow::revision);
+  if (found != rows->end()) return *found;
+  if (revision > 0 && revision == scene.base)
+    return damaged_snapshot(database, scene.key.id, revision);
+  return no_snapshot(scene.key.id, revision, missing);
+}
+
+/// Writes what changes. False: the row had another state than `before`.
+Result<bool> write_state(Database& database, const SnapshotRow& row, SnapshotState before) {
+  const Status done = database.execute(
+      "UPDATE snapshot SET state = ?, chunks = ?, seal = ? WHERE id = ? AND state = ?",
+      static_cast<std::int64_t>(row.state), row.chunks, row.seal(), row.id,
+      static_cast<std::int64_t>(before));
+  if (!done) return done.error();
+  return database.changes() > 0;
+}
+
+Status make_garbage(Database& database, SnapshotRow row) {
+  const SnapshotState before = row.state;
+  row.state = SnapshotState::kGarbage;
+  const auto written = write_state(database, row, before);
+  return written ? Status() : Status(written.error());
+}
+
+Status check_range(const SceneRow& scene, std::uint64_t revision) {
   if (revision >= 1 && revision >= scene.base && revision <= scene.revision) return {};
   return Error{Code::kOutOfRange,
                fmt::format("a snapshot of revision {} cannot be stored; {} to {} can", revision,
@@ -37,24 +85,86 @@ Status check_range(const SceneRecord& scene, std::uint64_t revision) {
                "REVISION_NOT_KEPT"};
 }
 
+/// Numbers of scenes and of snapshots.
+using Unfinished = std::vector<std::pair<SceneId, std::int64_t>>;
+
+/// Rows that are damaged stay: they may be those of a snapshot that is complete.
+Status abandon_all(Database& database, const Unfinished& unfinished) {
+  for (const auto& [id, snapshot] : unfinished) {
+    const auto scene = lock_scene(database, id);
+    if (!scene && scene.error().code == Code::kDataLoss) continue;
+    if (!scene) return scene.error();
+    const auto rows = sound_rows(database, scene->key);
+    if (!rows) return rows.error();
+    const auto row = std::ranges::find(*rows, snapshot, &SnapshotRow::id);
+    if (row == rows->end() || row->state != SnapshotState::kBeingWritten) continue;
+    if (Status done = abandon_snapshot(database, *row); !done) return done;
+  }
+  return {};
+}
+
+template <class... Values>
+Status abandon(Database& database, const char* query, const Values&... values) {
+  Unfinished unfinished;
+  const Status read = database.each(
+      query,
+      [&](const Row& row) {
+        unfinished.emplace_back(row.number(0), row.number(1));
+        return Status();
+      },
+      values...);
+  return read ? abandon_all(database, unfinished) : read;
+}
+
 }  // namespace
 
-Result<std::int64_t> begin_snapshot(Database& database, SceneId scene, std::uint64_t revision) {
-  const auto record = find_scene(database, scene);
-  if (!record) return record.error();
-  if (const Status good = check_range(*record, revision); !good) return good.error();
-  Status done = database.execute(
-      "UPDATE snapshot SET state = 2 WHERE scene = ? AND revision = ? AND state = 0", scene,
-      revision);
-  if (done && database.changes() > 0)
-    done = database.execute("UPDATE scene SET garbage = 1 WHERE id = ?", scene);
-  if (!done) return done.error();
+std::int64_t SnapshotRow::seal() const {
+  return Seal(RowKind::kSnapshot, scene)
+      .add(id)
+      .add(revision)
+      .add(static_cast<std::uint64_t>(state))
+      .add(chunks)
+      .add(named)
+      .value();
+}
+
+std::int64_t seal_chunk(const SceneKey& scene, std::uint64_t revision, std::uint64_t number,
+                        std::int64_t checksum) {
+  return Seal(RowKind::kChunk, scene).add(revision).add(number).add(checksum).value();
+}
+
+/// The number is part of the seal, so that it is written in two steps.
+Result<bool> insert_row(Database& database, SnapshotRow& row) {
   const auto id = database.number(
-      "INSERT INTO snapshot(scene, revision, state) VALUES(?, ?, 0) ON CONFLICT DO NOTHING "
-      "RETURNING id",
-      scene, revision);
+      "INSERT INTO snapshot(scene, revision, state, named) VALUES(?, ?, ?, ?) "
+      "ON CONFLICT DO NOTHING RETURNING id",
+      row.scene.id, row.revision, static_cast<std::int64_t>(row.state), row.named);
   if (!id) return id.error();
-  if (*id) return **id;
+  if (!*id) return false;
+  row.id = **id;
+  return write_state(database, row, row.state);
+}
+
+Result<SnapshotRow> begin_snapshot(Database& database, SceneId scene, std::uint64_t revision,
+                                   std::span<const blobs::BlobDigest> blobs) {
+  const auto row = read_scene(database, scene);
+  if (!row) return row.error();
+  if (const Status good = check_range(*row, revision); !good) return good.error();
+  const auto others = sound_rows(database, row->key);
+  if (!others) return others.error();
+  SceneRow holder = *row;
+  for (const SnapshotRow& other : *others) {
+    if (other.revision != revision || other.state != SnapshotState::kBeingWritten) continue;
+    if (const Status done = make_garbage(database, other); !done) return done.error();
+    holder.garbage = true;
+  }
+  if (holder.garbage && !row->garbage) {
+    if (const Status done = write_scene(database, holder); !done) return done.error();
+  }
+  SnapshotRow snapshot{.scene = row->key, .revision = revision, .named = sum_of_blobs(blobs)};
+  const auto inserted = insert_row(database, snapshot);
+  if (!inserted) return inserted.error();
+  if (*inserted) return snapshot;
   return Error{Code::kAlreadyExists, fmt::format("there is a snapshot of revision {}", revision),
                "SNAPSHOT_EXISTS"};
 }
@@ -72,88 +182,104 @@ Status name_blobs(Database& database, std::int64_t snapshot,
   return {};
 }
 
-Status insert_chunk(Database& database, std::int64_t snapshot, std::uint64_t number,
+Status insert_chunk(Database& database, const SnapshotRow& snapshot, std::uint64_t number,
                     std::string_view data) {
   const auto bytes = as_bytes(data);
+  const std::int64_t checksum = checksum_of(bytes);
   return database.execute(
-      "INSERT INTO snapshot_chunk(snapshot, number, checksum, data) VALUES(?, ?, ?, ?)", snapshot,
-      number, checksum_of(bytes), bytes);
+      "INSERT INTO snapshot_chunk(snapshot, number, checksum, data, seal) VALUES(?, ?, ?, ?, ?)",
+      snapshot.id, number, checksum, bytes,
+      seal_chunk(snapshot.scene, snapshot.revision, number, checksum));
 }
 
-Status complete_snapshot(Database& database, std::int64_t snapshot) {
-  SceneId scene = 0;
-  std::uint64_t revision = 0;
-  Status read = database.each(
-      "SELECT scene, revision FROM snapshot WHERE id = ?",
-      [&](const Row& row) {
-        scene = row.number(0);
-        revision = row.unsigned_number(1);
-        return Status();
-      },
-      snapshot);
-  if (!read) return read;
-  const auto record = find_scene(database, scene);
-  if (!record) return record.error();
-  if (Status good = check_range(*record, revision); !good) return good;
-  Status done =
-      database.execute("UPDATE snapshot SET state = 1 WHERE id = ? AND state = 0", snapshot);
-  if (!done || database.changes() > 0) return done;
+Status complete_snapshot(Database& database, const SnapshotRow& snapshot, std::uint64_t chunks) {
+  const auto row = read_scene(database, snapshot.scene.id);
+  if (!row) return row.error();
+  if (Status good = check_range(*row, snapshot.revision); !good) return good;
+  return publish_base(database, snapshot, chunks);
+}
+
+Status publish_base(Database& database, SnapshotRow base, std::uint64_t chunks) {
+  base.chunks = chunks;
+  base.state = base.revision == 0 ? SnapshotState::kGarbage : SnapshotState::kComplete;
+  const auto written = write_state(database, base, SnapshotState::kBeingWritten);
+  if (!written) return written.error();
+  if (*written) return {};
   return Error{Code::kAborted,
-               fmt::format("another call stores the snapshot of revision {}", revision),
+               fmt::format("another call stores the snapshot of revision {}", base.revision),
                "SNAPSHOT_SUPERSEDED"};
 }
 
-Status abandon_snapshot(Database& database, std::int64_t snapshot) {
-  Status done = database.execute("UPDATE snapshot SET state = 2 WHERE id = ?", snapshot);
-  if (!done) return done;
-  return database.execute(
-      "UPDATE scene SET garbage = 1 WHERE id = (SELECT scene FROM snapshot WHERE id = ?)",
-      snapshot);
+/// One that is garbage already has the scene's mark, too.
+Status abandon_snapshot(Database& database, const SnapshotRow& snapshot) {
+  auto scene = lock_scene(database, snapshot.scene.id);
+  if (!scene) return scene.error();
+  scene->garbage = true;
+  if (Status done = write_scene(database, *scene); !done) return done;
+  return make_garbage(database, snapshot);
 }
 
 Status abandon_unfinished(Database& database) {
-  Status done = database.execute(
-      "UPDATE scene SET garbage = 1 WHERE id IN (SELECT scene FROM snapshot WHERE state = 0)");
-  if (!done) return done;
-  return database.execute("UPDATE snapshot SET state = 2 WHERE state = 0");
+  return abandon(database, "SELECT scene, id FROM snapshot WHERE state = 0");
+}
+
+Status abandon_begun_before(Database& database, std::int64_t time) {
+  return abandon(database,
+                 "SELECT scene, id FROM snapshot WHERE state = 0 AND begun < ? ORDER BY scene",
+                 time);
+}
+
+Result<std::vector<SnapshotRow>> complete_snapshots(Database& database, const SceneKey& scene) {
+  auto rows = sound_rows(database, scene);
+  if (!rows) return rows;
+  std::erase_if(*rows,
+                [](const SnapshotRow& row) { return row.state != SnapshotState::kComplete; });
+  return rows;
 }
 
 Result<std::string> read_chunk(Database& database, SceneId scene, std::uint64_t revision,
                                std::uint64_t number) {
-  const auto snapshot = find_snapshot(database, scene, revision, Code::kNotFound);
+  const auto row = read_scene(database, scene);
+  if (!row) return row.error();
+  const auto snapshot = find_snapshot(database, *row, revision, Code::kNotFound);
   if (!snapshot) return snapshot.error();
-  std::string data;
+  if (number >= snapshot->chunks) return std::string();
+  std::optional<std::string> data;
   const Status read = database.each(
-      "SELECT checksum, data FROM snapshot_chunk WHERE snapshot = ? AND number = ?",
-      [&](const Row& row) -> Status {
-        if (checksum_of(row.bytes(1)) != row.number(0)) {
-          return database.corrupt(
-              fmt::format("the snapshot of revision {} of the scene with the number {} "
-                          "does not match its checksum",
-                          revision, scene));
-        }
-        data = row.copy_of_bytes(1);
+      "SELECT checksum, data, seal FROM snapshot_chunk WHERE snapshot = ? AND number = ?",
+      [&](const Row& found) -> Status {
+        const std::int64_t checksum = checksum_of(found.bytes(1));
+        if (checksum != found.number(0) ||
+            seal_chunk(row->key, revision, number, checksum) != found.number(2))
+          return damaged_snapshot(database, scene, revision);
+        data = found.copy_of_bytes(1);
         return {};
       },
-      *snapshot, number);
+      snapshot->id, number);
   if (!read) return read.error();
-  return data;
+  if (!data) return damaged_snapshot(database, scene, revision);
+  return std::move(*data);
 }
 
 Status move_base(Database& database, SceneId scene, std::uint64_t revision) {
-  const auto record = find_scene(database, scene);
-  if (!record) return record.error();
-  const auto snapshot = find_snapshot(database, scene, revision, Code::kFailedPrecondition);
+  auto row = read_scene(database, scene);
+  if (!row) return row.error();
+  const auto snapshot = find_snapshot(database, *row, revision, Code::kFailedPrecondition);
   if (!snapshot) return snapshot.error();
-  if (revision == record->base) return {};
-  Status done = database.execute(
-      "UPDATE scene SET base = ?2, garbage = 1, base_logged = "
-      "(SELECT logged FROM batch WHERE scene = ?1 AND revision = ?2) WHERE id = ?1",
-      scene, revision);
-  if (!done) return done;
-  return database.execute(
-      "UPDATE snapshot SET state = 2 WHERE scene = ? AND revision < ? AND state = 1", scene,
-      revision);
+  if (revision == row->base) return {};
+  const auto logged = logged_at(database, row->key, revision);
+  if (!logged) return logged.error();
+  row->base = revision;
+  row->base_logged = *logged;
+  row->garbage = true;
+  Status done = write_scene(database, *row);
+  const auto older = complete_snapshots(database, row->key);
+  if (!older) return older.error();
+  for (const SnapshotRow& old : *older) {
+    if (!done || old.revision >= revision) break;
+    done = make_garbage(database, old);
+  }
+  return done;
 }
 
 }  // namespace sightline::server::store

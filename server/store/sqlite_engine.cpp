@@ -3,10 +3,13 @@
 
 #include <sqlite3.h>
 
+#include <iterator>
+#include <string_view>
 #include <utility>
 
 #include "server/store/errors.h"
 #include "server/store/purge.h"
+#include "server/store/scene_rows.h"
 
 namespace sightline::server::store {
 namespace {
@@ -22,12 +25,44 @@ int pages_in_log(void* count, sqlite3* /*handle*/, const char* /*name*/, int pag
   return SQLITE_OK;
 }
 
+void note_row(void* scenes, int /*change*/, const char* /*database*/, const char* table,
+              sqlite3_int64 row) {
+  if (std::string_view(table) == "scene") static_cast<std::set<SceneId>*>(scenes)->insert(row);
+}
+
 }  // namespace
 
-SqliteEngine::SqliteEngine(SqliteDatabase database, DiskBudget& budget)
-    : database_(std::move(database)), budget_(budget) {
+SqliteEngine::SqliteEngine(SqliteDatabase database, DiskBudget& budget, HeadMarks& marks)
+    : database_(std::move(database)), budget_(budget), marks_(marks) {
   sqlite3_wal_hook(database_.handle(), pages_in_log, &log_pages_);
+  sqlite3_update_hook(database_.handle(), note_row, &touched_);
   measure();
+}
+
+SqliteEngine::~SqliteEngine() { (void)marks_.sync(); }
+
+Status SqliteEngine::commit() {
+  Status committed = database_.commit();
+  if (committed) mark_touched();
+  return committed;
+}
+
+/// Before those who wait for the commit hear of it. A mark that cannot be written is written later:
+/// until then less is noticed, and nothing is lost.
+void SqliteEngine::mark_touched() {
+  for (auto it = touched_.begin(); it != touched_.end();) {
+    const auto row = lock_scene(database_, *it);
+    const bool gone = row ? row->removed : row.error().code == Code::kNotFound;
+    Status done;
+    if (gone) {
+      done = marks_.erase(*it);
+    } else if (row) {
+      done = marks_.set({row->key, row->edits, row->revision});
+    } else if (row.error().code != Code::kDataLoss) {
+      done = row.error();
+    }
+    it = done ? touched_.erase(it) : std::next(it);
+  }
 }
 
 /// There is one writer: scenes need no locks.
@@ -83,7 +118,9 @@ void SqliteEngine::checkpoint(bool tight) {
   int moved = 0;
   const int code = sqlite3_wal_checkpoint_v2(database_.handle(), nullptr, SQLITE_CHECKPOINT_PASSIVE,
                                              &pages, &moved);
-  if (code == SQLITE_OK && pages == moved) log_pages_ = 0;
+  if (code != SQLITE_OK || pages != moved) return;
+  log_pages_ = 0;
+  (void)marks_.sync();  // as durable as what left the log
 }
 
 void SqliteEngine::measure() {

@@ -9,7 +9,7 @@
 
 namespace sightline::server::store {
 
-/// While a call reads, the write-ahead log cannot begin anew.
+/// What a call reads is of one instant. Meanwhile the write-ahead log cannot begin anew.
 class SqliteReader final : public Reader {
  public:
   explicit SqliteReader(SqliteDatabase database) : database_(std::move(database)) {}
@@ -17,8 +17,18 @@ class SqliteReader final : public Reader {
  private:
   Status lend(const Use& use) override {
     const std::lock_guard lock(mutex_);
+    if (Status begun = database_.execute("BEGIN"); !begun) return begun;
+    const Rollback at_end{database_};
     return use(database_);
   }
+
+  /// Also after an exception. There is nothing to commit.
+  struct Rollback {
+    ~Rollback() {
+      if (database.in_transaction()) (void)database.execute("ROLLBACK");
+    }
+    SqliteDatabase& database;
+  };
 
   std::mutex mutex_;
   SqliteDatabase database_;

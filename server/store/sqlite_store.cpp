@@ -5,6 +5,8 @@
 
 #include "server/store/blob_files.h"
 #include "server/store/disk_budget.h"
+#include "server/store/head_marks.h"
+#include "server/store/history.h"
 #include "server/store/snapshot_rows.h"
 #include "server/store/sqlite_engine.h"
 #include "server/store/sqlite_reader.h"
@@ -21,19 +23,21 @@ constexpr std::uint64_t kLeastWrite = 4096;
 
 struct SqliteStore::Parts {
   Parts(DataDirectory opened, const StoreLimits& store_limits, SqliteDatabase writing,
-        SqliteDatabase reading)
+        SqliteDatabase reading, HeadMarks heads)
       : directory(std::move(opened)),
         limits(store_limits),
         budget(directory.files(), directory.path(), limits),
         files(directory.files(), directory.path()),
+        marks(std::move(heads)),
         reader(std::move(reading)),
-        writer(std::make_unique<SqliteEngine>(std::move(writing), budget), limits),
+        writer(std::make_unique<SqliteEngine>(std::move(writing), budget, marks), limits),
         blobs(files, reader, writer, budget) {}
 
   DataDirectory directory;
   const StoreLimits limits;
   DiskBudget budget;
   BlobFiles files;
+  HeadMarks marks;
   SqliteReader reader;
   Writer writer;
   StoredBlobs blobs;
@@ -54,8 +58,11 @@ Result<std::unique_ptr<SqliteStore>> SqliteStore::open(const std::filesystem::pa
   if (!writing) return writing.error();
   auto reading = opened->open_database();
   if (!reading) return reading.error();
-  auto parts =
-      std::make_unique<Parts>(std::move(*opened), limits, std::move(*writing), std::move(*reading));
+  auto marks = HeadMarks::open(files, marks_file(directory));
+  if (!marks) return marks.error();
+  if (const Status whole = check_history(*writing, *marks); !whole) return whole.error();
+  auto parts = std::make_unique<Parts>(std::move(*opened), limits, std::move(*writing),
+                                       std::move(*reading), std::move(*marks));
   Status ready = parts->files.prepare();
   if (ready) ready = parts->blobs.count();
   if (ready)

@@ -43,6 +43,8 @@ struct SceneRecord {
   std::uint64_t base = 0;
   std::vector<std::uint64_t> snapshots;  ///< Revisions of complete snapshots, ascending.
   std::uint64_t log_bytes = 0;           ///< Of the updates after `base`.
+  /// Its row is damaged, or its log was cut: calls for it end with kDataLoss.
+  bool damaged = false;
 };
 
 /// The answer to a request with a request id.
@@ -274,6 +276,16 @@ class Store {
   virtual void watch(const Changed& /*changed*/) {}
   /// When it returns, `changed` is not running and will not be called.
   virtual void unwatch() {}
+
+  // --- Many at once.
+
+  /// has_blob() of each.
+  virtual std::vector<bool> has_blobs(std::span<const blobs::BlobDigest> digests) {
+    std::vector<bool> there;
+    there.reserve(digests.size());
+    for (const blobs::BlobDigest& digest : digests) there.push_back(has_blob(digest));
+    return there;
+  }
 };
 
 /// How late a commit of another process is noticed if its notice is lost.

@@ -40,7 +40,7 @@ std::vector<accel::geometry::Ray> random_rays(std::size_t count, std::uint64_t s
 std::string Witness::add_mesh(const TestMesh& mesh) {
   const std::string blob = blob_of(mesh);
   const auto digest = digest_of(blob);
-  const auto upload = *meshes_.begin(digest, 0);
+  const auto upload = *meshes_.begin(digest, 0, {"witness", "witness"});
   static_cast<void>(upload->append(0, bytes_of(blob)));
   static_cast<void>(meshes_.complete(upload));
   return digest.text();

@@ -10,6 +10,7 @@
 #include "server/store/postgres/lease.h"
 #include "server/store/postgres/tables.h"
 #include "server/store/purge.h"
+#include "server/store/snapshot_rows.h"
 
 namespace sightline::server::store::postgres {
 namespace {
@@ -30,13 +31,7 @@ std::int64_t milliseconds(Duration duration) {
 Status abandon_dead(Database& database) {
   const auto time = now(database);
   if (!time) return time.error();
-  const std::int64_t before = *time - milliseconds(kSnapshotTime);
-  Status done = database.execute(
-      "UPDATE scene SET garbage = 1 WHERE id IN "
-      "(SELECT scene FROM snapshot WHERE state = 0 AND begun < ?)",
-      before);
-  if (done)
-    done = database.execute("UPDATE snapshot SET state = 2 WHERE state = 0 AND begun < ?", before);
+  Status done = abandon_begun_before(database, *time - milliseconds(kSnapshotTime));
   if (!done) return done;
   return database.execute("DELETE FROM writer WHERE touched < ?",
                           *time - milliseconds(kWriterTime));

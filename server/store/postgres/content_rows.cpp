@@ -1,6 +1,12 @@
 // The bytes of blobs as rows: chunks of a content, which a blob names when it is complete.
 #include "server/store/postgres/content_rows.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cstring>
+#include <string>
+
 #include "server/store/blob_rows.h"
 #include "server/store/milliseconds.h"
 #include "server/store/postgres/tables.h"
@@ -82,24 +88,38 @@ Result<std::optional<std::int64_t>> find_content(Database& database,
                          digest.size);
 }
 
-Result<std::optional<std::chrono::milliseconds>> age_of_blob(Database& database,
-                                                             const blobs::BlobDigest& digest) {
-  const auto age = database.number(
-      "SELECT CAST(extract(epoch FROM clock_timestamp()) * 1000 AS BIGINT) - stored "
-      "FROM blob WHERE sum = ? AND size = ?",
-      sum_bytes(digest), digest.size);
-  if (!age) return age.error();
-  if (!*age) return std::optional<std::chrono::milliseconds>();
-  return std::optional(std::chrono::milliseconds(**age));
-}
-
-Result<bool> touch_blob(Database& database, const blobs::BlobDigest& digest) {
-  const auto time = now(database);
-  if (!time) return time.error();
-  const Status done = database.execute("UPDATE blob SET stored = ? WHERE sum = ? AND size = ?",
-                                       *time, sum_bytes(digest), digest.size);
-  if (!done) return done.error();
-  return database.changes() > 0;
+/// A row that has to be touched is waited for, in the order of all who ask: one that is being swept
+/// is gone then. Where none has to, nothing is written.
+Result<std::set<blobs::BlobDigest>> find_and_touch(Database& database,
+                                                   std::span<const blobs::BlobDigest> digests,
+                                                   std::chrono::milliseconds every) {
+  std::string sums = "{";
+  for (const blobs::BlobDigest& digest : digests)
+    sums += fmt::format("{}\"\\\\x{:02x}\"", sums.size() > 1 ? "," : "", fmt::join(digest.sum, ""));
+  sums += "}";
+  std::set<blobs::BlobDigest> found;
+  const Status read = database.each(
+      "WITH time AS (SELECT CAST(extract(epoch FROM clock_timestamp()) * 1000 AS BIGINT) AS now), "
+      "asked AS MATERIALIZED (SELECT id, blob.sum, size, stored FROM "
+      "unnest(CAST(?1 AS BYTEA[])) AS wanted(sum) JOIN blob ON blob.sum = wanted.sum), "
+      "old AS (SELECT id FROM blob WHERE id IN "
+      "(SELECT id FROM asked, time WHERE stored < now - ?2) ORDER BY id FOR NO KEY UPDATE), "
+      "touched AS (UPDATE blob SET stored = now FROM old, time WHERE blob.id = old.id "
+      "RETURNING blob.sum, size) "
+      "SELECT sum, size FROM touched UNION SELECT sum, size FROM asked, time "
+      "WHERE stored >= now - ?2",
+      [&](const Row& row) {
+        blobs::BlobDigest digest;
+        const auto sum = row.bytes(0);
+        if (sum.size() != digest.sum.size()) return Status();
+        std::memcpy(digest.sum.data(), sum.data(), sum.size());
+        digest.size = row.unsigned_number(1);
+        found.insert(digest);
+        return Status();
+      },
+      sums, static_cast<std::int64_t>(every.count()));
+  if (!read) return read.error();
+  return found;
 }
 
 Result<bool> lock_blob(Database& database, std::int64_t blob,

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <span>
 
 #include "proto/result.h"
@@ -31,11 +32,11 @@ Status insert_blob_of_chunk(Database& database, const blobs::BlobDigest& digest,
 /// The content of a blob; nothing if it is not stored.
 Result<std::optional<std::int64_t>> find_content(Database& database,
                                                  const blobs::BlobDigest& digest);
-/// How long ago the blob was stored or touched; nothing if it is not stored.
-Result<std::optional<std::chrono::milliseconds>> age_of_blob(Database& database,
-                                                             const blobs::BlobDigest& digest);
-/// Its grace period begins anew. Returns whether it is stored.
-Result<bool> touch_blob(Database& database, const blobs::BlobDigest& digest);
+/// Those that are stored. The grace period of those that were not asked for within `every` begins
+/// anew.
+Result<std::set<blobs::BlobDigest>> find_and_touch(Database& database,
+                                                   std::span<const blobs::BlobDigest> digests,
+                                                   std::chrono::milliseconds every);
 /// Locks a blob that was not touched after `before`. Returns false if it was, is gone, or another
 /// transaction is about to name it.
 Result<bool> lock_blob(Database& database, std::int64_t blob,

@@ -77,7 +77,8 @@ class Meshes::Writing final : public BlobWriter {
 };
 
 Result<std::unique_ptr<BlobWriter>> Meshes::write(const blobs::BlobDigest& digest) {
-  if (has(digest)) return Error{Code::kAlreadyExists, digest.text() + " is stored", "BLOB_STORED"};
+  if (has(std::span(&digest, 1)).front())
+    return Error{Code::kAlreadyExists, digest.text() + " is stored", "BLOB_STORED"};
   auto copy = cache_.create(digest.size);
   if (!copy) return copy.error();
   return std::unique_ptr<BlobWriter>(std::make_unique<Writing>(*this, digest, std::move(*copy)));
@@ -125,25 +126,20 @@ Result<std::int64_t> Meshes::write_content(std::span<const std::byte> bytes) {
   return content;
 }
 
-bool Meshes::has(const blobs::BlobDigest& digest) {
-  if (is_corrupt(digest)) return false;  // one that is damaged can be stored again
-  std::optional<std::chrono::milliseconds> age;
-  const Status asked = pool_.read_once([&](Database& database) -> Status {
-    const auto found = age_of_blob(database, digest);
-    if (!found) return found.error();
-    age = *found;
+std::vector<bool> Meshes::has(std::span<const blobs::BlobDigest> digests) {
+  std::vector<bool> there(digests.size());
+  std::set<blobs::BlobDigest> found;
+  const Status asked = pool_.ask_much([&](Database& database) -> Status {
+    auto some = find_and_touch(database, digests, kTouchEvery);
+    if (!some) return some.error();
+    found = std::move(*some);
     return {};
   });
-  if (!asked || !age) return false;
-  if (*age < kTouchEvery) return true;
-  bool there = false;
-  const Status touched = pool_.write([&](Database& database) -> Status {
-    const auto found = touch_blob(database, digest);
-    if (!found) return found.error();
-    there = *found;
-    return {};
-  });
-  return touched && there;
+  if (!asked) return there;
+  const std::lock_guard lock(mutex_);
+  for (std::size_t i = 0; i < digests.size(); ++i)
+    there[i] = found.contains(digests[i]) && !corrupt_.contains(digests[i]);
+  return there;  // one that is damaged can be stored again
 }
 
 Result<std::shared_ptr<const BlobBytes>> Meshes::get(const blobs::BlobDigest& digest) {
@@ -279,11 +275,6 @@ Result<std::uint64_t> Meshes::remove_some(std::span<const BlobRow> rows,
 BlobTotals Meshes::totals() {
   const auto totals = pool_([](Database& database) { return blob_totals(database); });
   return totals ? *totals : BlobTotals();
-}
-
-bool Meshes::is_corrupt(const blobs::BlobDigest& digest) const {
-  const std::lock_guard lock(mutex_);
-  return corrupt_.contains(digest);
 }
 
 void Meshes::remember_corrupt(const blobs::BlobDigest& digest, bool corrupt) {

@@ -10,6 +10,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "proto/result.h"
 #include "server/blobs/digest.h"
@@ -29,7 +30,8 @@ class Meshes {
       : pool_(pool), writer_(writer), cache_(cache), name_(std::move(name)) {}
 
   Result<std::unique_ptr<BlobWriter>> write(const blobs::BlobDigest& digest);
-  bool has(const blobs::BlobDigest& digest);
+  /// One statement for all. What was not asked for lately is written, once.
+  std::vector<bool> has(std::span<const blobs::BlobDigest> digests);
   Result<std::shared_ptr<const BlobBytes>> get(const blobs::BlobDigest& digest);
   /// One process sweeps at a time: another one's call removes nothing.
   Result<std::uint64_t> sweep(std::chrono::steady_clock::duration grace,
@@ -52,14 +54,13 @@ class Meshes {
                                    std::chrono::system_clock::time_point before);
   Result<std::uint64_t> remove_some(std::span<const BlobRow> rows,
                                     std::chrono::system_clock::time_point before);
-  bool is_corrupt(const blobs::BlobDigest& digest) const;
   void remember_corrupt(const blobs::BlobDigest& digest, bool corrupt);
 
   Pool& pool_;
   Writer& writer_;
   MeshCache& cache_;
   const std::string name_;
-  mutable std::mutex mutex_;  // protects the rest
+  std::mutex mutex_;  // protects the rest
   std::set<blobs::BlobDigest> corrupt_;
 };
 

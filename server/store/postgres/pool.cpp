@@ -15,6 +15,28 @@ Status Pool::read_once(const std::function<Status(Database&)>& ask) {
   return with_any([&](Connection& connection) { return ask(connection); });
 }
 
+Status Pool::ask_much(const std::function<Status(Database&)>& ask) {
+  struct Turn {
+    explicit Turn(Pool& of) : pool(of) {
+      std::unique_lock lock(pool.mutex_);
+      pool.returned_.wait(lock, [&] { return pool.long_ < kLongConnections; });
+      ++pool.long_;
+    }
+    ~Turn() {
+      {
+        const std::lock_guard lock(pool.mutex_);
+        --pool.long_;
+      }
+      pool.returned_.notify_all();
+    }
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+    Pool& pool;
+  };
+  const Turn turn(*this);
+  return read_once(ask);
+}
+
 /// With another connection, if one is lost.
 Status Pool::with_any(const std::function<Status(Connection&)>& use) {
   Status done;
@@ -86,7 +108,7 @@ void Pool::return_connection(Pointer connection) {
     if (connection && !connection->lost() && !connection->in_transaction())
       idle_.push_back(std::move(connection));
   }
-  returned_.notify_one();
+  returned_.notify_all();
 }
 
 }  // namespace sightline::server::store::postgres

@@ -17,6 +17,8 @@ namespace sightline::server::store::postgres {
 
 /// At a time; more callers wait.
 inline constexpr std::size_t kPoolConnections = 4;
+/// Of these, at a time, for statements that take long.
+inline constexpr std::size_t kLongConnections = 2;
 /// After an attempt to connect has failed, others fail at once for this long.
 inline constexpr std::chrono::milliseconds kConnectPause{500};
 
@@ -29,6 +31,10 @@ class Pool final : public Reader {
   /// Calls ask(Database&), which reads by one statement: that needs no transaction, whose beginning
   /// and end are round trips. Tried again if the connection is lost. Errors: those of ask().
   Status read_once(const std::function<Status(Database&)>& ask);
+
+  /// The same for a statement that takes long: kLongConnections of these
+  /// run at a time, and leave connections for others.
+  Status ask_much(const std::function<Status(Database&)>& ask);
 
   /// Calls use(Database&) in a transaction of its own. If the connection is lost, it is unknown
   /// whether what it wrote is kept. Errors: those of use(), as Database.
@@ -52,6 +58,7 @@ class Pool final : public Reader {
   std::condition_variable returned_;
   std::vector<Pointer> idle_;
   std::size_t lent_ = 0;
+  std::size_t long_ = 0;          // statements that take long
   std::optional<Error> failure_;  // of the last attempt to connect
   Clock::time_point failed_;
 };

@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <random>
+#include <span>
 #include <utility>
 
 #include "server/store/postgres/compactor.h"
@@ -80,7 +81,13 @@ Result<std::unique_ptr<BlobWriter>> PostgresStore::write_blob(const blobs::BlobD
   return parts_->meshes.write(digest);
 }
 
-bool PostgresStore::has_blob(const blobs::BlobDigest& digest) { return parts_->meshes.has(digest); }
+bool PostgresStore::has_blob(const blobs::BlobDigest& digest) {
+  return parts_->meshes.has(std::span(&digest, 1)).front();
+}
+
+std::vector<bool> PostgresStore::has_blobs(std::span<const blobs::BlobDigest> digests) {
+  return parts_->meshes.has(digests);
+}
 
 Result<std::shared_ptr<const BlobBytes>> PostgresStore::blob(const blobs::BlobDigest& digest) {
   return parts_->meshes.get(digest);

@@ -70,7 +70,7 @@ class DurableTest : public testing::Test {
   std::string add_mesh(const TestMesh& mesh) {
     const std::string blob = blob_of(mesh);
     const auto digest = digest_of(blob);
-    const auto upload = life_->blobs.begin(digest, 0);
+    const auto upload = life_->blobs.begin(digest, 0, {"robot", "robot:1"});
     EXPECT_TRUE((*upload)->append(0, bytes_of(blob)));
     EXPECT_TRUE(life_->blobs.complete(*upload));
     return digest.text();

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "server/durable/backup_reader.h"
 #include "tests/server/durable/life.h"
 
@@ -29,7 +31,8 @@ class RestorerTest : public tests::DurableTest {
     }
   }
   Status restore(const Parts& parts, Restorer::Wanted wanted = {}) {
-    Restorer restorer({life_->scenes, life_->blobs, life_->memory}, std::move(wanted));
+    Restorer restorer({life_->scenes, life_->blobs, life_->memory, {"admin", "admin:1"}},
+                      std::move(wanted));
     for (const v1::BackupPart& part : parts) {
       if (Status taken = restorer.take(part); !taken) return taken;
     }
@@ -144,6 +147,37 @@ TEST_F(RestorerTest, ASceneThatBeginsAgainIsRestoredOnce) {
   lose_all();
   ASSERT_TRUE(restore(twice));
   EXPECT_EQ(x(), 3);
+}
+
+/// What arrives counts while it arrives; nothing is half applied.
+TEST_F(RestorerTest, ABatchThatDoesNotEndIsRefusedWithTheLimit) {
+  make_revisions(3);
+  Parts parts = back_up();
+  const auto batch = std::ranges::find_if(parts, [](const auto& part) { return part.has_batch(); });
+  v1::BackupPart endless = *batch;
+  endless.mutable_batch()->set_more(true);
+  endless.mutable_batch()->set_updates(std::string(std::size_t{1} << 20, 'x'));
+  const std::uint64_t before = life_->memory.used();
+  const auto filler = life_->memory.record(
+      exec::Held::kNodes, (std::uint64_t{1} << 30) - before - (std::uint64_t{16} << 20));
+  {
+    Restorer restorer({life_->scenes, life_->blobs, life_->memory, {"admin", "admin:1"}}, {});
+    for (auto part = parts.begin(); part != batch; ++part) ASSERT_TRUE(restorer.take(*part));
+    Status taken;
+    int megabytes = 0;
+    for (; taken && megabytes < 100; ++megabytes) {
+      taken = restorer.take(endless);
+      if (taken) {
+        EXPECT_GE(life_->memory.used(exec::Held::kUploads), static_cast<std::uint64_t>(megabytes)
+                                                                << 20);
+      }
+    }
+    ASSERT_FALSE(taken);
+    EXPECT_EQ(taken.error().reason, exec::kMemoryBudget) << taken.error().message;
+    EXPECT_LT(megabytes, 20);
+  }
+  EXPECT_EQ(life_->memory.used(exec::Held::kUploads), 0u);
+  EXPECT_EQ(scene()->snapshot()->revision(), 3u) << "the scene is as it was";
 }
 
 TEST_F(RestorerTest, WithoutRevisions) {

@@ -52,7 +52,7 @@ class Doctor : public testing::Test {
   }
 
   std::vector<std::string> findings(bool repair = false) const {
-    const auto found = examine(local_files(), directory_.path(), repair);
+    const auto found = examine(local_files(), directory_.path(), {.repair = repair});
     EXPECT_TRUE(found.ok()) << found.error().message;
     return found ? found->findings : std::vector<std::string>();
   }
@@ -65,12 +65,13 @@ TEST_F(Doctor, FindsNothingInASoundDirectory) { EXPECT_THAT(findings(), IsEmpty(
 
 TEST_F(Doctor, NeedsADatabase) {
   const Directory empty;
-  EXPECT_EQ(reason_of(examine(local_files(), empty.path(), false)), "NO_STORE");
+  EXPECT_EQ(reason_of(examine(local_files(), empty.path(), {})), "NO_STORE");
 }
 
 TEST_F(Doctor, RefusesADirectoryInUse) {
   const auto store = open_store(directory_.path());
-  EXPECT_EQ(reason_of(examine(local_files(), directory_.path(), true)), "DATA_DIR_IN_USE");
+  EXPECT_EQ(reason_of(examine(local_files(), directory_.path(), {.repair = true})),
+            "DATA_DIR_IN_USE");
 }
 
 TEST_F(Doctor, MovesACorruptBlobAsideSoThatItCanBeStoredAgain) {
@@ -85,7 +86,7 @@ TEST_F(Doctor, MovesACorruptBlobAsideSoThatItCanBeStoredAgain) {
     EXPECT_TRUE(append(*store, scenes_[0], 4, "updates").ok());
   }
   EXPECT_THAT(findings(), ElementsAre(HasSubstr("has other bytes")));
-  const auto repaired = examine(local_files(), directory_.path(), true);
+  const auto repaired = examine(local_files(), directory_.path(), {.repair = true});
   ASSERT_TRUE(repaired.ok());
   EXPECT_THAT(repaired->findings, ElementsAre(HasSubstr("used by a")));
   EXPECT_THAT(repaired->repairs, ElementsAre(HasSubstr("lost")));

@@ -59,6 +59,20 @@ Status FailingFiles::write(const Descriptor& file, std::span<const std::byte> by
   return files_.write(file, bytes, path);
 }
 
+Result<Descriptor> FailingFiles::open(const Path& file) {
+  if (const int number = next("open")) return file_error("open", file, number);
+  return files_.open(file);
+}
+
+Status FailingFiles::write_at(const Descriptor& file, std::span<const std::byte> bytes,
+                              std::uint64_t offset, const Path& path) {
+  if (const int number = next("write in place")) {
+    (void)files_.write_at(file, bytes.first(bytes.size() / 2), offset, path);
+    return file_error("write", path, number);
+  }
+  return files_.write_at(file, bytes, offset, path);
+}
+
 Status FailingFiles::sync(const Descriptor& file, const Path& path) {
   if (const int number = next("fsync")) return file_error("sync", path, number);
   return files_.sync(file, path);

@@ -35,6 +35,9 @@ class FailingFiles : public server::store::FileSystem {
   Result<server::net::Descriptor> create(const Path& file) override;
   Status write(const server::net::Descriptor& file, std::span<const std::byte> bytes,
                const Path& path) override;
+  Result<server::net::Descriptor> open(const Path& file) override;
+  Status write_at(const server::net::Descriptor& file, std::span<const std::byte> bytes,
+                  std::uint64_t offset, const Path& path) override;
   Status sync(const server::net::Descriptor& file, const Path& path) override;
   Status sync_directory(const Path& directory) override;
   Status rename(const Path& from, const Path& to) override;

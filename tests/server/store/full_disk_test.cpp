@@ -83,7 +83,14 @@ TEST(FullDisk, KeepsWhatItAcknowledgedAndGoesOnWithSpace) {
   EXPECT_EQ(*tests::load_blob(*store, tests::digest_of_blob(bytes)), bytes);
   store.reset();
   disk.fill(kAllBlocks);
-  EXPECT_EQ(tests::reason_of(SqliteStore::open(path, tests::small_disk())), "DISK_FULL");
+  // Opening needs a few pages, which the system may still have; what is there is served then.
+  auto opened = SqliteStore::open(path, tests::small_disk());
+  if (opened) {
+    EXPECT_EQ(tests::log_of(**opened, scene)->size(), last);
+    opened->reset();
+  } else {
+    EXPECT_EQ(opened.error().reason, "DISK_FULL");
+  }
 
   disk.release();
   store = tests::open_store(path);
@@ -92,7 +99,7 @@ TEST(FullDisk, KeepsWhatItAcknowledgedAndGoesOnWithSpace) {
   EXPECT_TRUE(tests::store_blob(*store, tests::blob_bytes(2)).ok());
   EXPECT_TRUE(tests::append(*store, scene, last, "u").ok());
   store.reset();
-  const auto found = examine(local_files(), path, false);
+  const auto found = examine(local_files(), path, {});
   ASSERT_TRUE(found.ok()) << found.error().message;
   EXPECT_THAT(found->findings, testing::IsEmpty());
 }

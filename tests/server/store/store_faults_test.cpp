@@ -114,7 +114,7 @@ void expect_whole(const std::filesystem::path& directory) {
     const std::string bytes = tests::blob_bytes(1);
     EXPECT_EQ(*tests::load_blob(*store, tests::digest_of_blob(bytes)), bytes);
   }
-  const auto found = examine(local_files(), directory, false);
+  const auto found = examine(local_files(), directory, {});
   ASSERT_TRUE(found.ok()) << found.error().message;
   for (const std::string& finding : found->findings)
     EXPECT_NE(finding.find("nothing is lost"), std::string::npos) << finding;

@@ -26,7 +26,7 @@ TEST_P(StoreMeshes, AreInMemoryFromTheirFirstUseOn) {
   const auto store = open();
   exec::MemoryAccount memory(1 << 20);
   blobs::BlobStore blobs(memory, {}, store.get());
-  const auto upload = blobs.begin(digest_, 0);
+  const auto upload = blobs.begin(digest_, 0, {"robot", "robot:1"});
   ASSERT_TRUE(upload);
   ASSERT_TRUE((*upload)->append(0, tests::bytes_of(bytes_)));
   const auto uploaded = blobs.complete(*upload);

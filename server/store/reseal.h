@@ -1,0 +1,14 @@
+// Seals the rows that an older version has written.
+#pragma once
+
+#include "proto/result.h"
+#include "server/store/database.h"
+
+namespace sightline::server::store {
+
+/// Within a transaction, after the tables got their new columns: gives each row its seal, and each
+/// scene its sums. What is damaged already stays so, where it shows. Cost: reads all rows, but no
+/// updates and no bytes of snapshots. Errors: as Database.
+Status seal_all(Database& database);
+
+}  // namespace sightline::server::store
