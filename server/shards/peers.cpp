@@ -10,6 +10,7 @@
 #include <iterator>
 #include <utility>
 
+#include "proto/printable.h"
 #include "scenegraph/query/shard_cut.h"
 #include "server/exec/rpc_status.h"
 #include "server/net/listen_address.h"
@@ -65,15 +66,17 @@ Result<std::shared_ptr<grpc::ChannelCredentials>> credentials(const PeerSettings
                                .pem_cert_chain = *std::move(certificate)});
 }
 
-/// As those of clients (client/calls/connection.cpp).
+/// A peer that returns is found again soon. One that is gone without a word is noticed over a
+/// connection without calls, too, and such a connection is kept open where idle ones are cut.
 grpc::ChannelArguments arguments() {
   grpc::ChannelArguments arguments;
-  // Peers are found again soon after they return.
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);  // a connection of its own
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
-  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
-  // One that is frozen, or gone without a word, is noticed during a call.
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 1000);  // to connect in
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 250);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 15'000);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   return arguments;
@@ -96,18 +99,25 @@ Result<Peers> Peers::make(const PeerSettings& settings) {
   if (!called_with) return called_with.error();
   for (const net::ListenAddress& address : *addresses) {
     const std::string text = address.text();
-    peers.peers_.push_back({text, v1::RayQueryService::NewStub(
-                                      grpc::CreateCustomChannel(text, *called_with, arguments()))});
+    peers.peers_.push_back(std::make_unique<Peer>(text, [text, called_with = *called_with] {
+      return grpc::CreateCustomChannel(text, called_with, arguments());
+    }));
   }
   return peers;
 }
 
-std::unique_ptr<grpc::ClientContext> Peers::context_for(const grpc::CallbackServerContext& caller) {
-  auto context = grpc::ClientContext::FromCallbackServerContext(caller);
+void Peers::ping() const {
+  for (const auto& peer : peers_) peer->ping();
+}
+
+Peer::Context Peers::context_for(const grpc::CallbackServerContext& caller) {
+  Peer::Context context = grpc::ClientContext::FromCallbackServerContext(caller);
   for (const char* const header : {"authorization", exec::kRequestId}) {
     const auto [first, last] = caller.client_metadata().equal_range(header);
-    for (auto at = first; at != last; ++at)
-      context->AddMetadata(header, {at->second.data(), at->second.size()});
+    for (auto at = first; at != last; ++at) {
+      const std::string value(at->second.data(), at->second.size());
+      if (is_printable(value)) context->AddMetadata(header, value);
+    }
   }
   return context;
 }

@@ -1,8 +1,6 @@
 // The servers that answer for the shards of scenes.
 #pragma once
 
-#include <grpcpp/client_context.h>
-#include <grpcpp/security/credentials.h>
 #include <grpcpp/server_context.h>
 
 #include <cstdint>
@@ -12,7 +10,7 @@
 #include <vector>
 
 #include "proto/result.h"
-#include "sightline/v1/query.grpc.pb.h"
+#include "server/shards/peer.h"
 
 namespace sightline::server::shards {
 
@@ -26,7 +24,7 @@ struct PeerSettings {
   std::filesystem::path key;          ///< Of the certificate.
 };
 
-/// Connections, made at the first call, that notice a peer which is gone or frozen. Threads: any.
+/// Threads: any, for every member but ping().
 class Peers {
  public:
   /// None.
@@ -40,20 +38,18 @@ class Peers {
   bool empty() const { return peers_.empty(); }
   /// How many shards a scene has.
   std::uint32_t size() const { return static_cast<std::uint32_t>(peers_.size()); }
-  const std::string& address(std::uint32_t shard) const { return peers_[shard].address; }
-  v1::RayQueryService::Stub& stub(std::uint32_t shard) const { return *peers_[shard].stub; }
+  const std::string& address(std::uint32_t shard) const { return peers_[shard]->address(); }
+  Peer& peer(std::uint32_t shard) const { return *peers_[shard]; }
+
+  /// Pings every peer. To be called every kPingEvery, by one thread at a time.
+  void ping() const;
 
   /// A call to a peer on behalf of a call to this server: with its deadline, its end, its name and
   /// its token.
-  static std::unique_ptr<grpc::ClientContext> context_for(
-      const grpc::CallbackServerContext& caller);
+  static Peer::Context context_for(const grpc::CallbackServerContext& caller);
 
  private:
-  struct Peer {
-    std::string address;
-    std::unique_ptr<v1::RayQueryService::Stub> stub;
-  };
-  std::vector<Peer> peers_;
+  std::vector<std::unique_ptr<Peer>> peers_;
 };
 
 }  // namespace sightline::server::shards

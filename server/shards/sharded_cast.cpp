@@ -14,6 +14,31 @@ namespace sightline::server::shards {
 
 using scenegraph::QueryKind;
 
+namespace {
+
+using Clock = ShardedCast::Clock;
+using std::chrono::milliseconds;
+
+/// An eighth of a time is kept for what follows it, up to this.
+constexpr milliseconds kMostForReply{50}, kMostForPeer{20};
+
+Clock::duration less_reserve(Clock::duration left, milliseconds most) {
+  return left - std::clamp<Clock::duration>(left / 8, Clock::duration::zero(), most);
+}
+
+/// When a caller with a deadline gets what there is; nothing if that is not soon.
+std::optional<Clock::time_point> before_deadline(const grpc::CallbackServerContext& caller) {
+  const auto left = caller.deadline() - std::chrono::system_clock::now();
+  if (left > std::chrono::hours(1)) return {};
+  return Clock::now() + less_reserve(left, kMostForReply);
+}
+
+void make_earlier(std::optional<Clock::time_point>& at, Clock::time_point other) {
+  at = at ? std::min(*at, other) : other;
+}
+
+}  // namespace
+
 ShardedCast::ShardedCast(const Peers& peers, const grpc::CallbackServerContext& caller,
                          const v1::CastRaysRequest& asked, const Query& query)
     : peers_(peers),
@@ -25,10 +50,27 @@ void ShardedCast::begin(Batch batch) {
   batch_ = std::move(batch);
   cost_ = {};
   merge_.begin(*batch_.cut, query_.kind, batch_.rays, query_.max_hits);
+  ask_until_ = batch_.budget_ends;
+  wait_until_.reset();
+  if (batch_.budget_ends) wait_until_ = *batch_.budget_ends + kAfterBudget;
+  if (!query_.allow_partial) return;
+  if (const auto latest = before_deadline(caller_)) {
+    make_earlier(ask_until_, *latest);
+    make_earlier(wait_until_, *latest);
+  }
+}
+
+/// Questions for which no time is left have no answer.
+std::vector<scenegraph::query::ShardQuestion> ShardedCast::next_in_time() {
+  for (;;) {
+    auto questions = merge_.next();
+    if (questions.empty() || !ask_until_ || Clock::now() < *ask_until_) return questions;
+    for (const scenegraph::query::ShardQuestion& question : questions) merge_.lose(question);
+  }
 }
 
 bool ShardedCast::ask(std::function<void()> answered) {
-  std::vector<scenegraph::query::ShardQuestion> questions = merge_.next();
+  std::vector<scenegraph::query::ShardQuestion> questions = next_in_time();
   calls_.clear();
   if (questions.empty()) return false;
   calls_.resize(questions.size());
@@ -36,6 +78,9 @@ bool ShardedCast::ask(std::function<void()> answered) {
     Call& call = calls_[i];
     call.question = std::move(questions[i]);
     call.context = Peers::context_for(caller_);
+    if (wait_until_)
+      call.context->set_deadline(std::chrono::system_clock::now() +
+                                 std::chrono::ceil<milliseconds>(*wait_until_ - Clock::now()));
     call.request = template_;
     call.request.mutable_consistency()->set_exact_revision(batch_.revision);
     v1::Shard& shard = *call.request.mutable_shard();
@@ -55,28 +100,41 @@ bool ShardedCast::ask(std::function<void()> answered) {
 /// 0: none. One that has passed is asked for as the shortest.
 std::uint32_t ShardedCast::budget_ms() const {
   if (!batch_.budget_ends) return 0;
-  const auto left =
-      std::chrono::duration_cast<std::chrono::milliseconds>(*batch_.budget_ends - Clock::now());
-  return static_cast<std::uint32_t>(std::max<std::int64_t>(left.count(), 1));
+  const auto left = less_reserve(*batch_.budget_ends - Clock::now(), kMostForPeer);
+  const auto rounded = std::chrono::duration_cast<milliseconds>(left).count();
+  return static_cast<std::uint32_t>(std::max<std::int64_t>(rounded, 1));
 }
 
 void ShardedCast::start(Call& call) {
-  try {
-    peers_.stub(call.question.shard)
-        .async()
-        ->CastRays(call.context.get(), &call.request, &call.reply,
-                   [this, &call](grpc::Status status) {
-                     call.status = std::move(status);
-                     // The batch fails: what others compute for it is not needed.
-                     if (!call.status.ok() && !query_.allow_partial) {
-                       for (Call& other : calls_) other.context->TryCancel();
-                     }
-                     end_one();
-                   });
-  } catch (const std::exception& thrown) {
-    call.status = {grpc::StatusCode::RESOURCE_EXHAUSTED, thrown.what()};
-    end_one();
+  Peer& peer = peers_.peer(call.question.shard);
+  const auto stub = peer.begin(call.context);
+  if (stub == nullptr) {
+    call.status = peer.lost_status();
+    return end(call);
   }
+  try {
+    stub->async()->CastRays(call.context.get(), &call.request, &call.reply,
+                            [this, &call, &peer](grpc::Status status) {
+                              call.status = peer.end(call.context, std::move(status));
+                              end(call);
+                            });
+  } catch (const std::exception& thrown) {
+    call.status = peer.end(call.context, {grpc::StatusCode::RESOURCE_EXHAUSTED, thrown.what()});
+    end(call);
+  }
+}
+
+void ShardedCast::end(Call& call) {
+  // The other side may be the first to notice.
+  const bool timed_out = call.status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED ||
+                         call.status.error_code() == grpc::StatusCode::CANCELLED;
+  call.late = timed_out && batch_.budget_ends && Clock::now() >= *batch_.budget_ends &&
+              peers_.peer(call.question.shard).unanswered() <= 1;
+  // The batch fails: what others compute for it is not needed.
+  if (!call.status.ok() && !call.late && !query_.allow_partial) {
+    for (const Call& other : calls_) other.context->TryCancel();
+  }
+  end_one();
 }
 
 void ShardedCast::end_one() {
@@ -108,8 +166,8 @@ Status ShardedCast::take() {
 }
 
 Status ShardedCast::take(const Call& call) {
-  if (may_be_lost(call)) {
-    if (!query_.allow_partial) return lost(call);
+  if (call.late || may_be_lost(call)) {
+    if (!call.late && !query_.allow_partial) return lost(call);
     merge_.lose(call.question);
     return {};
   }

@@ -1,7 +1,6 @@
 // A batch of rays that other servers answer, each for a shard of the scene.
 #pragma once
 
-#include <grpcpp/client_context.h>
 #include <grpcpp/server_context.h>
 
 #include <atomic>
@@ -27,9 +26,14 @@ inline constexpr std::size_t kShardedBytesPerRay = 512;
 /// What a listed hit takes, for each shard: in its message, and decoded twice.
 inline constexpr std::size_t kShardedBytesPerHit = 192;
 
+/// Answers that are this much later than the budget of time still count: peers, too, need a moment
+/// to end.
+inline constexpr std::chrono::milliseconds kAfterBudget{30};
+
 /// Of one call. For each batch begin(), then ask() and take() in turn until ask() returns false. No
-/// thread waits for a peer: a call to one ends when it answers, when the caller's deadline passes
-/// or the caller is gone, and when the connection is found to be dead.
+/// thread waits for a peer: a call to one ends when it answers, kAfterBudget after the budget of
+/// time, when the caller's deadline passes or the caller is gone, and when the peer is lost, of
+/// which none is asked. A peer that is late finds its call cancelled.
 class ShardedCast {
  public:
   using Clock = std::chrono::steady_clock;
@@ -39,7 +43,9 @@ class ShardedCast {
     scenegraph::QueryKind kind = scenegraph::QueryKind::kClosest;
     bool surface = false;  ///< As of TraceOptions, as the next one.
     std::uint32_t max_hits = 0;
-    bool allow_partial = false;  ///< Rays that a lost shard could change are unanswered.
+    /// Rays that a lost shard could change are unanswered; and those that have no answer shortly
+    /// before the caller's deadline.
+    bool allow_partial = false;
   };
 
   struct Batch {
@@ -60,11 +66,12 @@ class ShardedCast {
 
   /// Sends the next questions, to several peers at a time, and returns true; then calls answered()
   /// once, when all have ended: from a thread of gRPC, or before this returns. After that this
-  /// object may be gone. False: the batch is done.
+  /// object may be gone. False: the batch is done, or its time is over.
   bool ask(std::function<void()> answered);
 
-  /// After answered(): merges the answers. Errors: kUnavailable (SHARD_LOST: a peer does not answer
-  /// at this revision, and the batch is not partial), what a peer said, kInternal.
+  /// After answered(): merges the answers. Where the budget was too short for a peer that answers
+  /// pings, rays are unanswered. Errors: kUnavailable (SHARD_LOST: a peer does not answer at this
+  /// revision, and the batch is not partial), what a peer said, kInternal.
   Status take();
 
   /// The answers, once the batch is done.
@@ -75,24 +82,28 @@ class ShardedCast {
  private:
   struct Call {
     scenegraph::query::ShardQuestion question{};
-    std::unique_ptr<grpc::ClientContext> context{};
+    Peer::Context context{};
     v1::CastRaysRequest request{};
     v1::CastRaysResponse reply{};
     grpc::Status status{};
+    bool late = false;  // the budget was too short, but the peer lives
   };
 
   void start(Call& call);
+  void end(Call& call);
   void end_one();
   bool may_be_lost(const Call& call) const;
   Error lost(const Call& call) const;
   Status take(const Call& call);
   std::uint32_t budget_ms() const;
+  std::vector<scenegraph::query::ShardQuestion> next_in_time();
 
   const Peers& peers_;
   const grpc::CallbackServerContext& caller_;
   const Query query_;
   const v1::CastRaysRequest template_;
   Batch batch_;
+  std::optional<Clock::time_point> ask_until_, wait_until_;  // of the batch
   scenegraph::query::ShardMerge merge_;
   scenegraph::TraceStats cost_;
   std::vector<Call> calls_;

@@ -24,12 +24,13 @@ class ShardedPrefetch::Call final : public grpc::ClientReadReactor<v1::PrefetchR
   }
 
   void start() {
+    Peer& peer = all_.peers_.peer(shard_);
+    const auto stub = peer.begin(context_);
+    if (stub == nullptr) return end(peer.lost_status());
     try {
-      all_.peers_.stub(shard_).async()->Prefetch(context_.get(), &request_, this);
+      stub->async()->Prefetch(context_.get(), &request_, this);
     } catch (const std::exception& thrown) {
-      status_ = {grpc::StatusCode::RESOURCE_EXHAUSTED, thrown.what()};
-      all_.end_one();
-      return;
+      return end(peer.end(context_, {grpc::StatusCode::RESOURCE_EXHAUSTED, thrown.what()}));
     }
     StartRead(&read_);
     StartCall();
@@ -44,11 +45,8 @@ class ShardedPrefetch::Call final : public grpc::ClientReadReactor<v1::PrefetchR
     StartRead(&read_);
   }
 
-  /// What the others build is not needed without this shard.
   void OnDone(const grpc::Status& status) override {
-    status_ = status;
-    if (!status.ok()) all_.cancel();
-    all_.end_one();  // this may be gone
+    end(all_.peers_.peer(shard_).end(context_, status));
   }
 
   void cancel() { context_->TryCancel(); }
@@ -58,9 +56,16 @@ class ShardedPrefetch::Call final : public grpc::ClientReadReactor<v1::PrefetchR
   const std::optional<v1::PrefetchResponse>& reported() const { return reported_; }
 
  private:
+  /// What the others build is not needed without this shard.
+  void end(grpc::Status status) {
+    status_ = std::move(status);
+    if (!status_.ok()) all_.cancel();
+    all_.end_one();  // this may be gone
+  }
+
   ShardedPrefetch& all_;
   const std::uint32_t shard_;
-  const std::unique_ptr<grpc::ClientContext> context_;
+  const Peer::Context context_;
   v1::PrefetchRequest request_;
   v1::PrefetchResponse read_;
   std::optional<v1::PrefetchResponse> reported_;

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Servers that share a scene call each other with TLS and the token of the caller, and answer as one; when one is lost, a cast fails or is
-partial, as the caller chose.
+"""Servers that share a scene call each other with TLS and the token of the caller, and answer as one; when one is stopped or lost, a cast
+fails or is partial, as the caller chose.
 
 secured_shards_test.py SIGHTLINED SIGHTLINE
 """
@@ -8,9 +8,11 @@ secured_shards_test.py SIGHTLINED SIGHTLINE
 import contextlib
 import pathlib
 import shlex
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 
 from operator_files import SKIPPED, needs
 from own_credentials import make_credentials, shell
@@ -20,6 +22,7 @@ from own_cluster import CannotRun, OwnCluster, free_port, listens, wait_for  # n
 
 QUADS = 12
 SERVERS = 3
+LONG_S = 30  # far more than the few seconds that it takes, and less than one connection needs to be found dead for each cast
 
 
 def row_of_quads():
@@ -47,6 +50,18 @@ def server(program, folder, store, port, *flags):
             process.kill()
 
 
+def freeze(process, cast_without, is_whole):
+    """Casts end soon while the process is stopped, and are whole soon after it goes on."""
+    process.send_signal(signal.SIGSTOP)
+    begun = time.monotonic()
+    for flags in ("--allow-partial --time-budget 300", "", "--allow-partial", "--allow-partial --time-budget 300"):
+        cast_without(flags)
+    process.send_signal(signal.SIGCONT)
+    if time.monotonic() - begun > LONG_S:
+        sys.exit("failed: a server that is stopped held up casts")
+    wait_for(is_whole, process, "the server that was stopped")
+
+
 def tour(folder, sightlined, sightline):
     make_credentials(folder)
     (folder / "quads.obj").write_text(row_of_quads())
@@ -60,8 +75,8 @@ def tour(folder, sightlined, sightline):
         def client(port, token="reader"):
             return f"{shlex.quote(sightline)} --endpoint 127.0.0.1:{port} --tls-ca ca.pem" + (f" --token-file {token}.token" if token else "")
 
-        def cast(port, flags="", **options):
-            return shell(folder, f"{client(port)} cast row {flags} --fields t,node,primitive", RAYS, **options)
+        def cast(port, flags="", ends="", **options):
+            return shell(folder, f"{client(port)} cast row {flags} --fields t,node,primitive {ends}", RAYS, **options)
 
         shell(folder, f"{client(ports[0], 'operator')} scene import row quads.obj --up z --quiet")
         alone = cast(ports[SERVERS])
@@ -69,6 +84,7 @@ def tour(folder, sightlined, sightline):
             sys.exit("failed: servers that share the scene answer in another way")
         shell(folder, f"{client(ports[0], None)} cast row", RAYS, fails=True)  # no token
 
+        freeze(shards[2], lambda flags="": cast(ports[0], flags, fails=True), lambda: cast(ports[0], "", ends="|| true") == alone)
         shards[2].kill()
         shards[2].wait()
         cast(ports[0], fails=True)

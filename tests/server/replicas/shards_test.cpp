@@ -1,20 +1,19 @@
 // Servers that each answer for a shard of a scene, compared with one that answers for all of it.
 #include <grpcpp/client_context.h>
 #include <gtest/gtest.h>
-#include <sys/socket.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "tests/server/replicas/shards.h"
+#include "tests/server/support/fake_peers.h"
 #include "tests/server/updates/update_stream.h"
 
 namespace sightline::tests {
@@ -201,24 +200,6 @@ TEST_F(Shards, ALostOneIsAnErrorOrLeavesRaysUnanswered) {
   expect_as_one_server(cast);
 }
 
-/// Listens and says nothing.
-class MutePeer {
- public:
-  explicit MutePeer(const std::string& path) : socket_(socket(AF_UNIX, SOCK_STREAM, 0)) {
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    std::strncpy(address.sun_path, path.c_str(), sizeof(address.sun_path) - 1);
-    EXPECT_EQ(bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
-    EXPECT_EQ(listen(socket_, 8), 0);
-  }
-  MutePeer(const MutePeer&) = delete;
-  MutePeer& operator=(const MutePeer&) = delete;
-  ~MutePeer() { close(socket_); }
-
- private:
-  const int socket_;
-};
-
 TEST_F(Shards, AMuteOneHoldsACallNoLongerThanItsCallerWaits) {
   const MutePeer mute(sockets_.path("s2"));
   start_shard(0);
@@ -233,6 +214,65 @@ TEST_F(Shards, AMuteOneHoldsACallNoLongerThanItsCallerWaits) {
     EXPECT_NE(cast.error_code(), grpc::StatusCode::OK);
   }
   servers_[0].reset();  // would wait for calls that do not end
+}
+
+/// Rays without an answer.
+std::uint64_t unanswered(Api& api, const v1::CastRaysRequest& request) {
+  v1::CastRaysResponse reply;
+  const grpc::Status cast = api.cast(request, &reply);
+  EXPECT_TRUE(cast.ok()) << cast.error_message();
+  return reply.stats().unanswered();
+}
+
+TEST_F(Shards, AMuteOneIsLostAndFoundAgain) {
+  std::optional<MutePeer> mute(sockets_.path("s2"));
+  start_shard(0);
+  start_shard(1);
+  make_grid();
+  v1::CastRaysRequest request = cast_of(v1::QUERY_KIND_CLOSEST, rays());
+  v1::CastRaysResponse reply;
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(reason_of(api(0).cast(request, &reply)), "SHARD_LOST");
+  grpc::ClientContext context;
+  v1::PrefetchRequest prefetch;
+  prefetch.set_scene(kScene);
+  v1::PrefetchResponse report;
+  const auto call = api(0).rays->Prefetch(&context, prefetch);
+  while (call->Read(&report)) {
+  }
+  EXPECT_EQ(reason_of(call->Finish()), "SHARD_LOST");
+  request.set_allow_partial(true);
+  const std::uint64_t lost = unanswered(api(0), request);
+  EXPECT_GT(lost, 0u);
+  EXPECT_LT(lost, 500u);
+  mute.reset();
+  ASSERT_EQ(unlink(sockets_.path("s2").c_str()), 0);
+  start_shard(2);
+  wait_until([&] { return unanswered(api(0), request) == 0; });
+  wait_until([&] { return unanswered(api(1), request) == 0; });
+  expect_as_one_server(rays());
+}
+
+TEST_F(Shards, ASlowOneLeavesRaysUnansweredWhenTheTimeIsOver) {
+  const SlowPeer slow(sockets_.path("s2"));
+  start_shard(0);
+  start_shard(1);
+  make_grid();
+  for (const auto& [kind, fields] : kFields) {
+    v1::CastRaysRequest request = cast_of(kind, rays());
+    request.set_time_budget_ms(300);
+    request.set_allow_partial(true);
+    EXPECT_GT(unanswered(api(0), request), 0u);
+    // Without a budget, up to shortly before the deadline.
+    request.set_time_budget_ms(0);
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(1));
+    v1::CastRaysResponse reply;
+    const grpc::Status cast = api(0).rays->CastRays(&context, request, &reply);
+    EXPECT_TRUE(cast.ok() || cast.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED)
+        << cast.error_message();
+    EXPECT_TRUE(!cast.ok() || reply.stats().unanswered() > 0);
+  }
+  wait_until([&] { return slow.begun() > 0 && slow.cancelled() == slow.begun(); });
 }
 
 TEST(ShardPeers, AreCheckedAtTheStart) {
