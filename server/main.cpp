@@ -1,7 +1,5 @@
 // sightlined: the server program.
 #include <malloc.h>
-#include <pthread.h>
-#include <signal.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -18,6 +16,7 @@
 #include "server/logging.h"
 #include "server/server.h"
 #include "server/service_manager.h"
+#include "server/signals.h"
 #include "server/watchdog.h"
 
 namespace {
@@ -34,17 +33,6 @@ void keep_memory_at_hand() {
   mallopt(M_TOP_PAD, 8 << 20);
   mallopt(M_ARENA_MAX, 1);
   // NOLINTEND(concurrency-mt-unsafe)
-}
-
-/// Blocks the ending signals in this thread and in all threads that it starts.
-sigset_t block_signals() {
-  sigset_t ending;
-  sigemptyset(&ending);
-  sigaddset(&ending, SIGTERM);
-  sigaddset(&ending, SIGINT);
-  pthread_sigmask(SIG_BLOCK, &ending, nullptr);
-  signal(SIGPIPE, SIG_IGN);
-  return ending;
 }
 
 /// How long the process may live after the drain: cancelled calls and tasks end meanwhile.
@@ -64,7 +52,7 @@ int check(const CommandLine& line) {
 }
 
 /// Runs the server until a signal arrives. Returns the program's exit code.
-int serve(const ServerConfig& config, const sigset_t& ending, Watchdog& watchdog) {
+int serve(const ServerConfig& config, const Signals& signals, Watchdog& watchdog) {
   if (const auto good = Server::check(config); !good) {
     std::fprintf(stderr, "sightlined: %s\n", good.error().message.c_str());
     return kUsageExit;
@@ -78,8 +66,7 @@ int serve(const ServerConfig& config, const sigset_t& ending, Watchdog& watchdog
   // while they look for work, and on a busy core that takes seconds.
   Server* const server = started->release();
   tell_service_manager("READY=1");
-  int caught = 0;
-  sigwait(&ending, &caught);
+  const int caught = signals.wait_for_end([server] { server->reload(); });
   tell_service_manager("STOPPING=1");
   spdlog::info("event=signal signal={}", caught);
   watchdog.arm(config.not_ready + 2 * config.drain + kEndAfterDrain);
@@ -91,17 +78,20 @@ int serve(const ServerConfig& config, const sigset_t& ending, Watchdog& watchdog
 
 int main(int argc, char** argv) try {
   if (argc > 1 && std::string_view(argv[1]) == "doctor") return run_doctor(argc - 1, argv + 1);
+  const Signals signals;
   const auto parsed = parse_command_line(argc, argv);
   if (const int* code = std::get_if<int>(&parsed)) return *code;
   const auto& line = std::get<CommandLine>(parsed);
-  if (line.check_only) return check(line);
+  if (line.check_only) {
+    signals.let_go();
+    return check(line);
+  }
   keep_memory_at_hand();
-  const sigset_t ending = block_signals();
   start_logging(line.log_level);
   for (const std::string& note : line.notes) spdlog::warn("event=settings {}", note);
 
   static auto& watchdog = *new Watchdog;
-  const int code = serve(line.config, ending, watchdog);
+  const int code = serve(line.config, signals, watchdog);
   spdlog::shutdown();
   // oneTBB's workers still live, and are not joined: tbb::finalize never returns on some machines
   // of one core. What they use must not be destroyed.

@@ -4,6 +4,9 @@
 #include <sys/socket.h>
 
 #include <cerrno>
+#include <iterator>
+#include <map>
+#include <string>
 #include <utility>
 
 #include "server/admin/http_session.h"
@@ -55,11 +58,24 @@ void HttpServer::accept_from(Listener& listener) {
   wait_at(listener);
   if (!socket) return;
   std::erase_if(sessions_, [](const auto& one) { return one.expired(); });
-  if (sessions_.size() >= kMaxConnections) {
-    if (const auto oldest = sessions_.front().lock()) oldest->close();
-    sessions_.pop_front();
-  }
+  if (sessions_.size() >= kMaxConnections) close_one();
   sessions_.push_back(HttpSession::start(context_, std::move(socket), *pages_, tunnel_));
+}
+
+/// Whatever floods the port, a probe gets its reply.
+void HttpServer::close_one() {
+  std::map<std::string, std::size_t> of_address;
+  for (const auto& one : sessions_) ++of_address[one.lock()->address()];
+  const auto goes_first = [&](const HttpSession& one, const HttpSession& other) {
+    if (one.is_probe() != other.is_probe()) return other.is_probe();
+    return of_address[one.address()] > of_address[other.address()];
+  };
+  auto first = sessions_.begin();
+  for (auto at = std::next(first); at != sessions_.end(); ++at) {
+    if (goes_first(*at->lock(), *first->lock())) first = at;
+  }
+  first->lock()->close();
+  sessions_.erase(first);
 }
 
 }  // namespace sightline::server::admin

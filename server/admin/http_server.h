@@ -18,6 +18,9 @@
 
 namespace sightline::server::admin {
 
+/// What probes ask for.
+inline constexpr std::string_view kAlivePath = "/livez", kReadyPath = "/readyz";
+
 struct HttpReply {
   int code = 200;
   std::string body;
@@ -31,7 +34,8 @@ class Tunnel;
 /// Answers GET and HEAD, one request a connection, from one thread; /livez itself, all else by a
 /// handler on a second one, which may wait. What a peer may do is limited: the connections at a
 /// time, the bytes of a request, and the time until its reply is read. When all connections are
-/// taken, the oldest is closed. WebSockets have limits of their own: see Tunnel.
+/// taken, the oldest of the address that has most is closed, but a probe last of all. WebSockets
+/// have limits of their own: see Tunnel.
 class HttpServer {
  public:
   static constexpr std::size_t kMaxConnections = 32;
@@ -56,6 +60,7 @@ class HttpServer {
     boost::asio::steady_timer pause;
   };
 
+  void close_one();
   void wait_at(Listener& listener);
   void accept_from(Listener& listener);
 

@@ -30,6 +30,11 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
   void close();
 
+  /// The address of the peer without its port, in the form of exec::Caller::principal.
+  const std::string& address() const { return address_; }
+  /// Whether it asks if the server is alive or ready, and has no answer yet.
+  bool is_probe() const { return is_probe_; }
+
  private:
   using Response = boost::beast::http::response<boost::beast::http::string_body>;
 
@@ -44,6 +49,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void linger();
 
   Stream stream_;
+  const std::string peer_, address_;
+  bool is_probe_ = false;
   PageThread& pages_;
   Tunnel* const tunnel_;
   boost::beast::flat_buffer buffer_{2 * HttpServer::kMaxRequest};

@@ -18,7 +18,7 @@ HttpReply ready_page(const Readiness& readiness) {
 
 HttpServer::Handler pages(const Readiness& readiness, std::function<std::string()> metrics) {
   return [&readiness, metrics = std::move(metrics)](std::string_view path) -> HttpReply {
-    if (path == "/readyz") return ready_page(readiness);
+    if (path == kReadyPath) return ready_page(readiness);
     if (path == "/metrics") return {.body = metrics(), .type = kMetricsType};
     for (const PageFile& file : page_files()) {
       if (path == file.path)

@@ -4,9 +4,12 @@
 #include <arpa/inet.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <map>
 
 #include "server/admin/tunnel_call.h"
+#include "server/exec/rpc_status.h"
 
 namespace sightline::server::admin {
 namespace {
@@ -30,20 +33,32 @@ Error denied(std::string message) {
 
 }  // namespace
 
-Status Tunnel::admit(std::string_view origin, std::string_view host) const {
+Status Tunnel::admit(std::string_view origin, std::string_view host, const std::string& address) {
   if (access_.certificates && !access_.tokens)
     return denied(
         "this server knows its clients by certificates, which the page has none of: give it "
         "--tokens");
   if (!origin.empty() && origin != fmt::format("http://{}", host) &&
       origin != fmt::format("https://{}", host))
-    return denied(fmt::format("a page from {} may not use this server", origin));
+    return denied(fmt::format("a page from {} may not use this server", exec::quote(origin)));
   if (!access_.tokens && !is_address(host_name(host)))
     return denied("without --tokens the page is served under an address, not under a name");
-  const std::lock_guard lock(mutex_);
-  if (sockets_ < kMaxSockets) return {};
+  if (free_slot_for(address)) return {};
   return Error{Code::kResourceExhausted, fmt::format("{} pages are open already", kMaxSockets),
                "TOO_MANY_PAGES"};
+}
+
+bool Tunnel::free_slot_for(const std::string& address) {
+  if (pages_.size() < kMaxSockets) return true;
+  std::map<std::string, std::size_t> of_address;
+  for (const Page& page : pages_) ++of_address[page.address];
+  const auto newest_of_most = std::max_element(
+      pages_.rbegin(), pages_.rend(),
+      [&](const Page& a, const Page& b) { return of_address[a.address] < of_address[b.address]; });
+  if (of_address[newest_of_most->address] < of_address[address] + 2) return false;
+  const auto close = newest_of_most->close;  // the page leaves the list, now or soon
+  close();
+  return true;
 }
 
 void Tunnel::stop() {

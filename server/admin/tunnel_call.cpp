@@ -6,37 +6,48 @@
 #include <utility>
 #include <vector>
 
+#include "proto/printable.h"
+#include "server/exec/made_for.h"
+
 namespace sightline::server::admin {
 
-std::shared_ptr<TunnelCall> TunnelCall::open(Tunnel& tunnel, const std::string& method,
-                                             const std::string& authorization, Events events) {
+Result<std::shared_ptr<TunnelCall>> TunnelCall::open(Tunnel& tunnel, const Request& request,
+                                                     Events events) {
+  if (!is_printable(request.authorization)) {
+    return Error{Code::kUnauthenticated,
+                 "the token has characters other than visible ASCII: it is none", "TOKEN_UNKNOWN"};
+  }
   const std::lock_guard opening(tunnel.opening_);
-  if (tunnel.stopped_) return nullptr;
+  if (tunnel.stopped_) return Error{Code::kUnavailable, "the server stops", "STOPPING"};
   std::shared_ptr<TunnelCall> made(new TunnelCall(tunnel, std::move(events)));
   made->self_ = made;
-  if (!authorization.empty()) made->context_.AddMetadata("authorization", authorization);
+  if (!request.authorization.empty())
+    made->context_.AddMetadata("authorization", request.authorization);
+  made->context_.AddMetadata(exec::kMadeFor, exec::made_for(request.peer));
   {
     const std::lock_guard lock(tunnel.mutex_);
     tunnel.calls_.insert(made.get());
   }
-  tunnel.stub_.PrepareBidiStreamingCall(&made->context_, method, {}, made.get());
+  tunnel.stub_.PrepareBidiStreamingCall(&made->context_, request.method, {}, made.get());
   made->AddHold();  // messages are sent and wanted from other threads, until the last has come
   made->StartRead(&made->incoming_);
   made->StartCall();
   return made;
 }
 
-void TunnelCall::send(std::optional<std::string> message, bool last) {
-  Outgoing next{.message = {}, .last = last};
+std::size_t TunnelCall::send(const std::optional<std::string>& message, bool last) {
+  const std::size_t bytes = message ? message->size() + Tunnel::kMessageCost : 0;
+  Outgoing next{.message = {}, .bytes = bytes, .last = last};
   if (message) {
     const grpc::Slice slice(*message);
     next.message.emplace(&slice, 1);
   }
   const std::lock_guard lock(mutex_);
-  if (over_ || closed_) return;
+  if (over_ || closed_) return 0;
   closed_ = last;
   outgoing_.push_back(std::move(next));
   if (outgoing_.size() == 1) write_next();
+  return bytes;
 }
 
 /// With the lock.
@@ -52,13 +63,19 @@ void TunnelCall::write_next() {
 }
 
 void TunnelCall::OnWriteDone(bool ok) {
-  const std::lock_guard lock(mutex_);
-  outgoing_.pop_front();
-  if (!ok || over_) {
-    outgoing_.clear();
-    closed_ = true;
+  std::size_t bytes = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    bytes = outgoing_.front().bytes;
+    outgoing_.pop_front();
+    if (!ok || over_) {
+      for (const Outgoing& dropped : outgoing_) bytes += dropped.bytes;
+      outgoing_.clear();
+      closed_ = true;
+    }
+    if (!outgoing_.empty()) write_next();
   }
-  if (!outgoing_.empty()) write_next();
+  events_.taken(bytes);
 }
 
 void TunnelCall::want_next() {

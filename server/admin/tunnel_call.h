@@ -5,6 +5,7 @@
 #include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/client_callback.h>
 
+#include <cstddef>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -20,19 +21,28 @@ namespace sightline::server::admin {
 /// member.
 class TunnelCall final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
  public:
-  /// Called on threads of gRPC, one at a time.
+  /// Called on threads of gRPC.
   struct Events {
     std::function<void(std::string message)> message;       ///< No other comes before want_next().
+    std::function<void(std::size_t bytes)> taken;           ///< Of those that send() has returned.
     std::function<void(const grpc::Status& status)> ended;  ///< The last event.
   };
 
-  /// `authorization`: may be empty. The first message is wanted from the beginning. Null, and no
-  /// event comes: the tunnel was stopped.
-  static std::shared_ptr<TunnelCall> open(Tunnel& tunnel, const std::string& method,
-                                          const std::string& authorization, Events events);
+  struct Request {
+    const std::string& method;         ///< "/sightline.v1.SceneService/GetScene".
+    const std::string& authorization;  ///< May be empty.
+    const std::string& peer;           ///< That it is made for; see exec::made_for().
+  };
 
-  /// Nothing: no message, only the end of all messages.
-  void send(std::optional<std::string> message, bool last);
+  /// The first message is wanted from the beginning. Errors, after which no event comes:
+  /// kUnauthenticated (what `authorization` has is no header), kUnavailable (the tunnel was
+  /// stopped).
+  static Result<std::shared_ptr<TunnelCall>> open(Tunnel& tunnel, const Request& request,
+                                                  Events events);
+
+  /// Nothing: no message, only the end of all messages. Returns the bytes that wait until they are
+  /// taken; none if the call takes nothing any more.
+  std::size_t send(const std::optional<std::string>& message, bool last);
   /// After an event with a message.
   void want_next();
   void cancel();
@@ -44,6 +54,7 @@ class TunnelCall final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
  private:
   struct Outgoing {
     std::optional<grpc::ByteBuffer> message;
+    std::size_t bytes = 0;
     bool last = false;
   };
 

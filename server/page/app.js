@@ -40,6 +40,9 @@ async function greet(connection) {
 const connection = await Connection.open(connected => {
   say(connected ? 'connected' : 'the server cannot be reached', !connected);
   if (connected) greet(connection).catch(failed);
+}).catch(error => {
+  say(`the page cannot be loaded: ${error.message}`, true);
+  throw error;
 });
 const viewer = new Viewer(connection, {
   picture: element('picture'), boxes: element('boxes'), picked: element('picked'), built: element('built'), failed});
@@ -50,8 +53,19 @@ const log = new Log(connection, element('log'));
 // The scene's name is part of the address, so that it can be linked.
 function show(name) { location.hash = name; }
 
+// An address that nobody has made here may be no encoded text: it is then taken as it is, and the server says that
+// there is no such scene.
+function shown() {
+  const text = location.hash.slice(1);
+  try {
+    return decodeURIComponent(text);
+  } catch {
+    return text;
+  }
+}
+
 async function route() {
-  const name = decodeURIComponent(location.hash.slice(1));
+  const name = shown();
   element('viewer').hidden = !name;
   cards.select(name);
   element('action').textContent = '';

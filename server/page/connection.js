@@ -11,6 +11,24 @@ const kServer = '/sightline.v1.ServerService/';
 const isPrivate = location.protocol === 'https:' ||
   ['localhost', '127.0.0.1', '[::1]'].includes(location.hostname);
 
+// What a header can carry.
+const kVisible = /^[!-~]+$/;
+
+// A browser may forbid to store anything: the page then asks again when it is loaded again.
+function storedToken() {
+  try {
+    return sessionStorage.getItem(kToken);
+  } catch {
+    return null;
+  }
+}
+
+function storeToken(token) {
+  try {
+    sessionStorage.setItem(kToken, token);
+  } catch { /* see above */ }
+}
+
 export class Connection {
   static async open(state) {
     const descriptors = await fetch('/page/messages.pb');
@@ -20,14 +38,15 @@ export class Connection {
   constructor(messages, state) {
     const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
     this.tunnel = new Tunnel(messages, `${scheme}://${location.host}/`, state);
-    const token = sessionStorage.getItem(kToken);
-    if (token) this.useToken(token);
+    const token = storedToken();
+    if (token && isPrivate && kVisible.test(token)) this.tunnel.authorization = `Bearer ${token}`;
   }
 
   // Kept until the tab is closed.
   useToken(token) {
     if (!isPrivate) throw new Error('the token is not sent: this page is not encrypted, and not of this machine');
-    sessionStorage.setItem(kToken, token);
+    if (!kVisible.test(token)) throw new Error('this is no token: it has a character other than visible ASCII, or none');
+    storeToken(token);
     this.tunnel.authorization = `Bearer ${token}`;
   }
 

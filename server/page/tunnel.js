@@ -62,7 +62,13 @@ export class Tunnel {
     this.socket = new WebSocket(this.url);
     this.socket.binaryType = 'arraybuffer';
     this.socket.onopen = () => { this.pause = 250; this.state(true); };
-    this.socket.onmessage = event => this.#take(this.messages.decode(kResponse, new Uint8Array(event.data)));
+    this.socket.onmessage = event => {
+      try {
+        this.#take(this.messages.decode(kResponse, new Uint8Array(event.data)));
+      } catch {
+        this.socket.close();  // the server speaks another version: its calls fail, and the socket is opened again
+      }
+    };
     this.socket.onclose = () => {
       this.state(false);
       for (const call of this.calls.values()) call.reject(new CallError(kUnavailable, 'the connection broke'));

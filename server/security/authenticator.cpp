@@ -60,9 +60,9 @@ Status Authenticator::read_tokens() {
   return {};
 }
 
-void Authenticator::reload() {
+Status Authenticator::reload() {
   const auto before = tokens();
-  const Status read = read_tokens();
+  Status read = read_tokens();
   std::string complaint = read ? std::string() : read.error().message;
   if (!complaint.empty() && complaint != complained_)
     spdlog::error("event=tokens_not_loaded kept=old error={}", exec::quote(complaint));
@@ -74,9 +74,10 @@ void Authenticator::reload() {
     });
   }
   const std::lock_guard lock(mutex_);
-  if (refused_ == refused_logged_) return;
+  if (refused_ == refused_logged_) return read;
   spdlog::warn("event=unauthenticated calls={}", refused_ - refused_logged_);
   refused_logged_ = refused_;
+  return read;
 }
 
 Status Authenticator::authenticate(exec::CallContext& context) {

@@ -33,8 +33,11 @@ class Authenticator {
 
   /// Reads the file of tokens again if it has changed, and ends the open calls of tokens that are
   /// gone or may do something else now. A file that cannot be used changes nothing, and is logged
-  /// once.
-  void reload();
+  /// once. Errors: as make().
+  Status reload();
+
+  /// Whether calls need tokens.
+  bool has_tokens() const { return !token_file_.empty(); }
 
   /// The open calls. It makes the contexts of all calls of the server (make_contexts()).
   exec::CallContexts& calls() { return calls_; }

@@ -71,18 +71,19 @@ Result<std::unique_ptr<Tls>> Tls::make(const CertificateFiles& files) {
   return std::unique_ptr<Tls>(new Tls(files, *std::move(certificates)));
 }
 
-void Tls::reload() {
+Status Tls::reload() {
   auto read = Certificates::read(files_);
   std::string complaint = read ? std::string() : read.error().message;
   if (!complaint.empty() && complaint != complained_)
     spdlog::error("event=certificates_not_loaded kept=old error={}", exec::quote(complaint));
   complained_ = std::move(complaint);
-  if (!read) return;
+  if (!read) return read.error();
   const std::lock_guard lock(mutex_);
-  if (*read == certificates_) return;
+  if (*read == certificates_) return {};
   log_loaded(*read);
   certificates_ = *std::move(read);
   is_new_ = true;
+  return {};
 }
 
 bool Tls::take_new(Certificates& certificates) {

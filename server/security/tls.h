@@ -21,8 +21,8 @@ class Tls {
   static Result<std::unique_ptr<Tls>> make(const CertificateFiles& files);
 
   /// Reads the files again. Those that cannot be used, such as a key whose certificate is not there
-  /// yet, change nothing, and are logged once.
-  void reload();
+  /// yet, change nothing, and are logged once. Errors: as make().
+  Status reload();
 
   /// For one server, which must not accept connections after the end of this object.
   std::shared_ptr<grpc::ServerCredentials> credentials();

@@ -2,7 +2,12 @@
 #include "server/admin/http_server.h"
 
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
 
+#include <cstddef>
+#include <filesystem>
 #include <latch>
 #include <memory>
 #include <stdexcept>
@@ -113,6 +118,60 @@ TEST_F(HttpServerTest, PeersThatSendOrReadNothingDoNotHoldUpOthers) {
   for (int i = 0; i < 10; ++i) EXPECT_TRUE(ask("GET /a HTTP/1.1\r\n\r\n").ends_with("path /a\n"));
   // They have given way, or their time is over in the end.
   for (const Descriptor& connection : silent) EXPECT_EQ(rest(connection), "");
+}
+
+TEST_F(HttpServerTest, AProbeGivesWayToNoFloodOfPages) {
+  const Descriptor blocking = connect_tcp(port_);
+  send_bytes(blocking, "GET /wait HTTP/1.1\r\n\r\n");
+  const Descriptor probe = connect_tcp(port_);
+  send_bytes(probe, "GET /readyz HTTP/1.1\r\n\r\n");
+  EXPECT_TRUE(ask("GET /livez HTTP/1.1\r\n\r\n").ends_with("alive\n")) << "the probe was read";
+  std::vector<Descriptor> flood;
+  for (std::size_t i = 0; i < 4 * HttpServer::kMaxConnections; ++i) {
+    flood.push_back(connect_tcp(port_));
+    send_bytes(flood.back(), "GET /metrics HTTP/1.1\r\n\r\n");
+    if (i % HttpServer::kMaxConnections == 0) {
+      EXPECT_TRUE(ask("GET /livez HTTP/1.1\r\n\r\n").ends_with("alive\n")) << i;
+    }
+  }
+  done_waiting_.count_down();
+  EXPECT_TRUE(rest(probe).ends_with("path /readyz\n"));
+}
+
+TEST_F(HttpServerTest, TheAddressWithMostConnectionsGivesWay) {
+  const Descriptor blocking = connect_tcp(port_, "127.0.0.2");
+  send_bytes(blocking, "GET /wait HTTP/1.1\r\n\r\n");
+  EXPECT_TRUE(ask("GET /livez HTTP/1.1\r\n\r\n").ends_with("alive\n"));
+  std::vector<Descriptor> flood;
+  for (std::size_t i = 0; i < 2 * HttpServer::kMaxConnections; ++i)
+    flood.push_back(connect_tcp(port_));
+  EXPECT_TRUE(ask("GET /livez HTTP/1.1\r\n\r\n").ends_with("alive\n"));
+  done_waiting_.count_down();
+  EXPECT_TRUE(rest(blocking).ends_with("path /wait\n"));
+}
+
+/// The server's end of this connection; both are in this process.
+int other_end(const Descriptor& connection) {
+  sockaddr_in own{}, peer{};
+  socklen_t size = sizeof own;
+  EXPECT_EQ(getsockname(connection.number(), reinterpret_cast<sockaddr*>(&own), &size), 0);
+  for (const auto& file : std::filesystem::directory_iterator("/proc/self/fd")) {
+    const int number = std::stoi(file.path().filename());
+    size = sizeof peer;
+    if (getpeername(number, reinterpret_cast<sockaddr*>(&peer), &size) == 0 &&
+        peer.sin_family == AF_INET && peer.sin_port == own.sin_port)
+      return number;
+  }
+  return -1;
+}
+
+TEST_F(HttpServerTest, SendsWithoutDelay) {
+  const Descriptor connection = connect_tcp(port_);
+  EXPECT_TRUE(ask("GET /livez HTTP/1.1\r\n\r\n").ends_with("alive\n")) << "it is accepted";
+  int on = 0;
+  socklen_t size = sizeof on;
+  ASSERT_EQ(getsockopt(other_end(connection), IPPROTO_TCP, TCP_NODELAY, &on, &size), 0);
+  EXPECT_EQ(on, 1);
 }
 
 TEST_F(HttpServerTest, StopsWithOpenConnections) {

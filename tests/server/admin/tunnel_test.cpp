@@ -4,96 +4,23 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <boost/asio/connect.hpp>
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/http/string_body.hpp>
-#include <boost/beast/websocket/stream.hpp>
 #include <deque>
 #include <filesystem>
 #include <fstream>
-#include <optional>
 #include <string>
 
 #include "server/server.h"
 #include "sightline/page/v1/tunnel.pb.h"
 #include "sightline/v1/scene.pb.h"
 #include "sightline/v1/server.pb.h"
+#include "tests/server/support/page.h"
 #include "tests/server/support/token_file.h"
 
 namespace sightline::server::admin {
 namespace {
 
-namespace websocket = boost::beast::websocket;
-using boost::asio::ip::tcp;
 using page::v1::TunnelRequest;
-using page::v1::TunnelResponse;
-
-/// A page's socket.
-class Page {
- public:
-  explicit Page(int port) {
-    socket_.next_layer().connect(tcp::endpoint(boost::asio::ip::make_address("127.0.0.1"),
-                                               static_cast<std::uint16_t>(port)));
-  }
-
-  /// Returns whether the server opened the socket.
-  bool open(const std::string& origin = {}, const std::string& host = "127.0.0.1") {
-    socket_.set_option(websocket::stream_base::decorator([&](websocket::request_type& request) {
-      if (!origin.empty()) request.set(boost::beast::http::field::origin, origin);
-    }));
-    boost::system::error_code error;
-    socket_.handshake(host, "/", error);
-    socket_.binary(true);
-    EXPECT_TRUE(!error || error == websocket::error::upgrade_declined) << error.message();
-    return !error;
-  }
-
-  void send(const TunnelRequest& request) {
-    socket_.write(boost::asio::buffer(request.SerializeAsString()));
-  }
-  void call(std::uint32_t number, const std::string& method,
-            const google::protobuf::Message& message, const std::string& authorization = {}) {
-    TunnelRequest request;
-    request.set_call(number);
-    request.set_method("/sightline.v1." + method);
-    request.set_authorization(authorization);
-    request.set_message(message.SerializeAsString());
-    request.set_last(true);
-    send(request);
-  }
-
-  /// A stream of rays that stays open.
-  void open_stream(std::uint32_t number) {
-    TunnelRequest request;
-    request.set_call(number);
-    request.set_method("/sightline.v1.RayQueryService/StreamCastRays");
-    send(request);
-  }
-
-  /// Nothing: the socket was closed.
-  std::optional<TunnelResponse> receive() {
-    boost::beast::flat_buffer buffer;
-    boost::system::error_code error;
-    socket_.read(buffer, error);
-    TunnelResponse response;
-    if (error || !response.ParseFromArray(buffer.data().data(), static_cast<int>(buffer.size())))
-      return {};
-    return response;
-  }
-  /// The code with which the next call ends, messages before it left out.
-  int end() {
-    for (;;) {
-      const auto response = receive();
-      if (!response) return -1;
-      if (response->has_end()) return static_cast<int>(response->end().code());
-    }
-  }
-
- private:
-  boost::asio::io_context context_;
-  websocket::stream<tcp::socket> socket_{context_};
-};
+using tests::Page;
 
 std::unique_ptr<Server> serve(const std::filesystem::path& tokens = {}) {
   ServerConfig config;
@@ -195,6 +122,41 @@ TEST(TunnelTest, AdmitsFewPagesAtATime) {
   for (std::size_t i = 0; i < Tunnel::kMaxSockets; ++i)
     EXPECT_TRUE(pages.emplace_back(server->admin_port()).open());
   EXPECT_FALSE(Page(server->admin_port()).open());
+}
+
+TEST(TunnelTest, SharesItsSocketsByAddress) {
+  const auto server = serve();
+  std::deque<Page> pages;
+  for (std::size_t i = 0; i < Tunnel::kMaxSockets; ++i)
+    ASSERT_TRUE(pages.emplace_back(server->admin_port()).open());
+  Page other(server->admin_port(), "127.0.0.2");
+  EXPECT_TRUE(other.open());
+  EXPECT_FALSE(pages.back().receive()) << "the newest of the address that has all gives way";
+  other.call(1, "ServerService/GetServerInfo", v1::GetServerInfoRequest());
+  EXPECT_EQ(other.end(), grpc::StatusCode::OK);
+  EXPECT_FALSE(Page(server->admin_port()).open()) << "it has most";
+}
+
+TEST(TunnelTest, RefusesWhatCannotBeAHeader) {
+  const auto server = serve();
+  Page page(server->admin_port());
+  ASSERT_TRUE(page.open());
+  std::uint32_t number = 0;
+  for (const std::string bad : {"Bearer x\n", "Bearer \xc3\xa9", "Bearer \x7f", "\t"}) {
+    page.call(++number, "ServerService/GetServerInfo", v1::GetServerInfoRequest(), bad);
+    EXPECT_EQ(page.end(), grpc::StatusCode::UNAUTHENTICATED) << bad;
+  }
+  const std::string zero("Bearer x\0y", 10);
+  page.call(++number, "ServerService/GetServerInfo", v1::GetServerInfoRequest(), zero);
+  EXPECT_EQ(page.end(), grpc::StatusCode::UNAUTHENTICATED);
+  for (const std::string bad : {"\n", "\xc3\xa9", "A B/C", ""}) {
+    page.call(++number, "ServerService/" + bad, v1::GetServerInfoRequest());
+    EXPECT_EQ(page.end(), grpc::StatusCode::UNIMPLEMENTED) << bad;
+  }
+  page.call(++number, std::string(1000, 'a'), v1::GetServerInfoRequest());
+  EXPECT_EQ(page.end(), grpc::StatusCode::UNIMPLEMENTED);
+  page.call(++number, "ServerService/GetServerInfo", v1::GetServerInfoRequest());
+  EXPECT_EQ(page.end(), grpc::StatusCode::OK);
 }
 
 TEST(TunnelTest, CallsNeedTheSameTokens) {
