@@ -111,6 +111,42 @@ class PersistentMap {
 
   std::size_t size() const { return size_; }
 
+  /// The map, as long as one of its copies lives. Threads: any.
+  class Weak {
+   public:
+    explicit Weak(const PersistentMap& map)
+        : root_(map.root_), height_(map.height_), size_(map.size_) {}
+
+    /// No copy lives, or the map is empty.
+    bool expired() const { return root_.expired(); }
+    /// Empty if no copy lives.
+    PersistentMap lock() const {
+      PersistentMap map;
+      map.root_ = root_.lock();
+      if (map.root_ == nullptr) return map;
+      map.height_ = height_;
+      map.size_ = size_;
+      return map;
+    }
+    /// Lives as long as a copy of the map.
+    std::weak_ptr<const void> life() const { return root_; }
+
+   private:
+    std::weak_ptr<void> root_;
+    unsigned height_ = 0;
+    std::size_t size_ = 0;
+  };
+
+  /// How many keys have another value here than in `other`, or none there. Cost: proportional to
+  /// the blocks that the maps do not share.
+  std::size_t count_not_in(const PersistentMap& other) const {
+    const void* there = other.root_.get();
+    unsigned height = other.height_;
+    for (; there != nullptr && height > height_; --height)
+      there = static_cast<const Inner*>(there)->child[0].get();
+    return root_ == nullptr ? 0 : count_block(root_.get(), height_, there, height);
+  }
+
   /// Calls visit(key, value) for every key, in ascending order.
   template <class Visit>
   void for_each(Visit&& visit) const {
@@ -153,6 +189,32 @@ class PersistentMap {
       root_ = std::move(inner);
     }
     ++height_;
+  }
+
+  /// `there` may be lower, or null.
+  static std::size_t count_block(const void* here, unsigned height, const void* there,
+                                 unsigned there_height) {
+    if (here == there) return 0;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < kFan; ++i) {
+      if (height == 0) {
+        const T& value = static_cast<const Leaf*>(here)->value[i];
+        const bool is_there =
+            there != nullptr && value == static_cast<const Leaf*>(there)->value[i];
+        count += value == T{} || is_there ? 0u : 1u;
+        continue;
+      }
+      const Block& child = static_cast<const Inner*>(here)->child[i];
+      if (child == nullptr) continue;
+      const void* other = nullptr;
+      if (there != nullptr && there_height == height) {
+        other = static_cast<const Inner*>(there)->child[i].get();
+      } else if (i == 0) {
+        other = there;
+      }
+      count += count_block(child.get(), height - 1, other, std::min(there_height, height - 1));
+    }
+    return count;
   }
 
   template <class Visit>

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "server/exec/caller.h"
 #include "server/exec/malformed.h"
@@ -25,10 +26,16 @@ Status find_missing(const v1::FindMissingBlobsRequest& request, const BlobStore&
                              kMaxDigestsPerRequest),
                  "TOO_MANY_DIGESTS"};
   }
+  std::vector<BlobDigest> digests;
+  digests.reserve(static_cast<std::size_t>(request.digests_size()));
   for (const std::string& text : request.digests()) {
     const auto digest = BlobDigest::parse(text);
     if (!digest) return digest.error();
-    if (!blobs.has(*digest)) reply.add_digests(text);
+    digests.push_back(*digest);
+  }
+  const std::vector<bool> there = blobs.has(digests);
+  for (std::size_t i = 0; i < there.size(); ++i) {
+    if (!there[i]) reply.add_digests(request.digests(static_cast<int>(i)));
   }
   return {};
 }
@@ -49,7 +56,8 @@ constexpr const char* kTooSlow = "UPLOAD_TOO_SLOW";
 bool leaves_upload_whole(const Error& error) {
   return error.code == Code::kOutOfRange || error.code == Code::kCancelled ||
          error.reason == exec::kQueueFull || error.reason == exec::kQuotaBytes ||
-         error.reason == exec::kQuotaWork || error.reason == kTooSlow;
+         error.reason == exec::kQuotaWork || error.reason == exec::kMemoryBudget ||
+         error.reason == kTooSlow;
 }
 
 /// Reads a chunk, checks and copies it in the arena, and only then reads the next. Deletes itself.
@@ -182,7 +190,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
       if (!granted) return granted.error();
       stored = std::move(*granted);
     }
-    auto upload = blobs_.begin(*digest, chunk_.offset(), std::move(stored));
+    auto upload = blobs_.begin(*digest, chunk_.offset(), caller_, std::move(stored));
     if (!upload) return upload.error();
     upload_ = std::move(*upload);
     progressed_to_ = upload_->committed();
@@ -249,8 +257,9 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
 grpc::ServerUnaryReactor* BlobRpc::FindMissingBlobs(grpc::CallbackServerContext* context,
                                                     const v1::FindMissingBlobsRequest* request,
                                                     v1::FindMissingBlobsResponse* reply) {
-  return answer_in_arena("FindMissingBlobs", *context, *request, *reply, parts_,
-                         [=, this] { return find_missing(*request, blobs_, *reply); });
+  return answer_in_arena(
+      "FindMissingBlobs", *context, *request, *reply, parts_,
+      [=, this] { return find_missing(*request, blobs_, *reply); }, exec::WorkKind::kLong);
 }
 
 grpc::ServerReadReactor<v1::UploadBlobRequest>* BlobRpc::UploadBlob(

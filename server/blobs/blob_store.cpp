@@ -15,6 +15,17 @@ Error not_stored(const BlobDigest& digest) {
 
 }  // namespace
 
+BlobStore::BlobStore(exec::MemoryAccount& memory, BlobLimits limits, store::Store* disk)
+    : memory_(memory),
+      limits_(limits),
+      disk_(disk),
+      upload_shares_(memory, limits.uploads, [this](const exec::Caller& caller, auto scope) {
+        const auto is_within = [&](const exec::Caller& owner) {
+          return exec::is_within(caller, owner, scope);
+        };
+        return drop_upload(false, is_within) || drop_upload(true, is_within);
+      }) {}
+
 /// Reads the mesh from disk.
 class BlobStore::Source final : public scenegraph::model::MeshSource {
  public:
@@ -67,6 +78,14 @@ bool BlobStore::has(const BlobDigest& digest) const {
   found->second.used = Upload::Clock::now();
   found->second.released = false;
   return true;
+}
+
+std::vector<bool> BlobStore::has(std::span<const BlobDigest> digests) const {
+  if (disk_ != nullptr) return disk_->has_blobs(digests);
+  std::vector<bool> there;
+  there.reserve(digests.size());
+  for (const BlobDigest& digest : digests) there.push_back(has(digest));
+  return there;
 }
 
 Result<BlobStore::MeshPointer> BlobStore::load(const BlobDigest& digest) {
@@ -138,6 +157,7 @@ Result<std::unique_ptr<store::BlobWriter>> BlobStore::writer(const BlobDigest& d
 }
 
 Result<std::shared_ptr<Upload>> BlobStore::begin(const BlobDigest& digest, std::uint64_t offset,
+                                                 const exec::Caller& caller,
                                                  exec::Quotas::Use stored) {
   if (digest.size < kMeshBlobHeader) {
     return Error{Code::kInvalidArgument,
@@ -150,25 +170,21 @@ Result<std::shared_ptr<Upload>> BlobStore::begin(const BlobDigest& digest, std::
     if (offset != 0) return resume(digest, offset);
     if (const auto old = set_aside_of(digest); old != pending_.end()) erase(old->upload.get());
   }
-  auto charge = memory_.reclaim_and_charge(exec::Held::kUploads, digest.size);
-  if (!charge) return charge.error();
+  if (digest.size > memory_.limit(exec::Held::kUploads)) {
+    return Error{Code::kResourceExhausted,
+                 fmt::format("a blob of {} bytes does not fit into the {} bytes for uploads of the "
+                             "memory budget of {}",
+                             digest.size, memory_.limit(exec::Held::kUploads), memory_.budget()),
+                 exec::kMemoryBudget};
+  }
+  auto slot = upload_shares_.take(caller);
+  if (!slot) return slot.error();
   auto writing = writer(digest);
   if (!writing) return writing.error();
-  auto upload = std::make_shared<Upload>(digest, std::move(*writing));
-  for (;;) {
-    {
-      const std::lock_guard lock(mutex_);
-      if (pending_.size() < limits_.uploads) {
-        pending_.push_back({upload, std::move(*charge), std::move(stored), false});
-        return upload;
-      }
-    }
-    if (drop_set_aside() || drop_idle()) continue;
-    return Error{Code::kResourceExhausted,
-                 fmt::format("{} uploads are under way, the limit is {}; retry later",
-                             limits_.uploads, limits_.uploads),
-                 "TOO_MANY_UPLOADS"};
-  }
+  auto upload = std::make_shared<Upload>(digest, std::move(*slot), std::move(*writing));
+  const std::lock_guard lock(mutex_);
+  pending_.push_back({upload, std::move(stored), false});
+  return upload;
 }
 
 Result<std::shared_ptr<Upload>> BlobStore::resume(const BlobDigest& digest, std::uint64_t offset) {
@@ -182,6 +198,7 @@ Result<std::shared_ptr<Upload>> BlobStore::resume(const BlobDigest& digest, std:
   }
   pending_.splice(pending_.end(), pending_, found);
   pending_.back().set_aside = false;
+  pending_.back().upload->resume();
   return pending_.back().upload;
 }
 
@@ -249,20 +266,25 @@ void BlobStore::erase(const Upload* upload) {
     return pending.upload.get() == upload;
   });
   if (found == pending_.end()) return;
+  found->upload->leave();
   pending_.erase(found);
 }
 
-bool BlobStore::drop_set_aside() { return drop_upload(false); }
+bool BlobStore::drop_set_aside() {
+  return drop_upload(false, [](const exec::Caller&) { return true; });
+}
 
-bool BlobStore::drop_idle() { return drop_upload(true); }
+bool BlobStore::drop_idle() {
+  return drop_upload(true, [](const exec::Caller&) { return true; });
+}
 
-bool BlobStore::drop_upload(bool idle) {
+bool BlobStore::drop_upload(bool idle, const MayGo& may_go) {
   std::shared_ptr<Upload> upload;  // destroyed after the lock is released
   const auto idle_since = Upload::Clock::now() - limits_.idle;
   const std::lock_guard lock(mutex_);
   const auto found = std::find_if(pending_.begin(), pending_.end(), [&](const Pending& pending) {
-    const bool may_go = idle ? pending.upload->last_progress() <= idle_since : pending.set_aside;
-    return may_go && pending.upload->drop();
+    const bool rests = idle ? pending.upload->is_slow(idle_since) : pending.set_aside;
+    return rests && may_go(pending.upload->caller()) && pending.upload->drop();
   });
   if (found == pending_.end()) return false;
   upload = found->upload;

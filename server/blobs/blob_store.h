@@ -4,17 +4,21 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <list>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "proto/result.h"
 #include "scenegraph/model/mesh.h"
 #include "server/blobs/mesh_blob.h"
 #include "server/blobs/upload.h"
+#include "server/blobs/upload_shares.h"
+#include "server/exec/caller.h"
 #include "server/exec/memory_account.h"
 #include "server/exec/quotas.h"
 #include "server/store/store.h"
@@ -23,7 +27,7 @@ namespace sightline::server::blobs {
 
 struct BlobLimits {
   std::size_t uploads = 64;  ///< At a time, including those set aside.
-  /// An upload without progress for this long may be dropped.
+  /// An upload without progress for this long, or that is slow after it, may be dropped.
   std::chrono::steady_clock::duration idle = std::chrono::seconds(10);
   /// A mesh that arrived within this time is fresh: its client may be about to use it.
   std::chrono::steady_clock::duration fresh = std::chrono::minutes(1);
@@ -52,14 +56,15 @@ class BlobStore {
  public:
   using MeshPointer = std::shared_ptr<const scenegraph::model::Mesh>;
 
-  /// Meshes, and uploads at their full size, are charged to `memory`, and trees count there.
+  /// Meshes, and what has arrived of uploads, are charged to `memory`, and trees count there.
   /// `disk`: null for none. Both outlive this object.
   explicit BlobStore(exec::MemoryAccount& memory, BlobLimits limits = {},
-                     store::Store* disk = nullptr)
-      : memory_(memory), limits_(limits), disk_(disk) {}
+                     store::Store* disk = nullptr);
 
   /// Whether load() finds the mesh. If so, it is neither dropped nor swept soon.
   bool has(const BlobDigest& digest) const;
+  /// The same of each, asked at once.
+  std::vector<bool> has(std::span<const BlobDigest> digests) const;
   /// The mesh; from disk if it is not in memory, and then read once to check it, and not resident.
   /// Errors: kNotFound, kResourceExhausted (the memory budget), kDataLoss (its file is corrupt).
   Result<MeshPointer> load(const BlobDigest& digest);
@@ -73,14 +78,20 @@ class BlobStore {
   /// The mesh if it is in memory, else null.
   MeshPointer find(const BlobDigest& digest) const;
 
-  /// Starts an upload at `offset` 0, or resumes the one that was set aside at `offset`. Of too many
-  /// uploads those set aside are dropped, oldest first, then idle ones. The account may make room
-  /// for it. `stored` is kept as long as the upload, and then the mesh; a resumed upload keeps what
-  /// it began with. Errors: kInvalidArgument (too small for a mesh), kOutOfRange (no upload to
-  /// resume at this offset), kResourceExhausted (naming the use and the limit), as
+  /// Starts an upload at `offset` 0, or resumes the one that was set aside at `offset`. Its bytes
+  /// count when they arrive, for the one who began it. Where uploads are too many or too large, of
+  /// the server or of the caller, those set aside are dropped, oldest first, then idle ones.
+  /// `stored` is kept as long as the upload, and then the mesh; a resumed upload keeps what it
+  /// began with. Errors: kInvalidArgument (too small for a mesh), kOutOfRange (no upload to resume
+  /// at this offset), kResourceExhausted (it could never fit, or as UploadShares::take), as
   /// store::Store::write_blob.
   Result<std::shared_ptr<Upload>> begin(const BlobDigest& digest, std::uint64_t offset,
-                                        exec::Quotas::Use stored = {});
+                                        const exec::Caller& caller, exec::Quotas::Use stored = {});
+
+  /// A slot for other content that arrives in parts. Errors: as UploadShares::take.
+  Result<std::unique_ptr<UploadShares::Slot>> take_slot(const exec::Caller& caller) {
+    return upload_shares_.take(caller);
+  }
 
   /// Checks and keeps the mesh. The upload ends in any case. Cost: proportional to the mesh.
   /// Errors: as Upload::finish.
@@ -113,7 +124,6 @@ class BlobStore {
  private:
   struct Pending {
     std::shared_ptr<Upload> upload;
-    exec::MemoryAccount::Charge charge;
     exec::Quotas::Use stored;
     bool set_aside = false;
   };
@@ -138,11 +148,14 @@ class BlobStore {
   PendingList::const_iterator set_aside_of(const BlobDigest& digest) const;
   Result<std::shared_ptr<Upload>> resume(const BlobDigest& digest, std::uint64_t offset);
   void erase(const Upload* upload);
-  bool drop_upload(bool idle);
+  /// May an upload of this caller go to make room in this scope?
+  using MayGo = std::function<bool(const exec::Caller& owner)>;
+  bool drop_upload(bool idle, const MayGo& may_go);
 
   exec::MemoryAccount& memory_;
   const BlobLimits limits_;
   store::Store* const disk_;
+  UploadShares upload_shares_;
   mutable std::mutex mutex_;
   PendingList pending_;  // oldest first
   std::map<BlobDigest, Stored> meshes_;

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace sightline::server::blobs {
 namespace {
 
@@ -15,7 +17,23 @@ Error dropped(const BlobDigest& digest) {
 
 }  // namespace
 
+bool Upload::is_slow(Clock::time_point since) const {
+  if (last_progress() <= since) return true;
+  const Clock::time_point begun = begun_.load();
+  if (begun > since) return false;
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(Clock::now() - begun);
+  return committed() - begun_at_.load() < static_cast<std::uint64_t>(seconds.count()) * kUploadPace;
+}
+
+void Upload::resume() {
+  begun_ = Clock::now();
+  begun_at_ = committed();
+}
+
 Status Upload::append(std::uint64_t offset, std::span<const std::byte> bytes) {
+  // No more than it declares: the rest is an error.
+  const std::uint64_t after = std::min(committed() + bytes.size(), digest_.size);
+  if (Status held = slot_->hold(after); !held) return held;
   const std::lock_guard lock(mutex_);
   if (!content_) return dropped(digest_);
   if (offset != content_->reader.received()) {
@@ -57,6 +75,7 @@ bool Upload::drop() {
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock) return false;
   content_.reset();
+  slot_->release();
   return true;
 }
 

@@ -7,21 +7,6 @@
 #include <utility>
 
 namespace sightline::server::exec {
-namespace {
-
-bool is_within(const Caller& caller, const Caller& other, Exceeded::Scope scope) {
-  switch (scope) {
-    case Exceeded::Scope::kAll:
-      return true;
-    case Exceeded::Scope::kPrincipal:
-      return caller.principal == other.principal;
-    case Exceeded::Scope::kConnection:
-      break;
-  }
-  return caller.connection == other.connection;
-}
-
-}  // namespace
 
 CallRegistry::CallRegistry(CallKind kind)
     : kind_(std::move(kind)),

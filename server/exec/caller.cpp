@@ -5,11 +5,34 @@
 #include <grpc/grpc_security.h>
 
 #include <memory>
+#include <optional>
+#include <random>
+#include <string>
+#include <string_view>
 
 #include "server/exec/call_context.h"
+#include "server/exec/made_for.h"
 
 namespace sightline::server::exec {
 namespace {
+
+/// Of this process, which no caller outside can know.
+const std::string& secret() {
+  static const std::string kMade = [] {
+    std::random_device random;
+    return fmt::format("{:08x}{:08x}{:08x}{:08x} ", random(), random(), random(), random());
+  }();
+  return kMade;
+}
+
+/// What made_for() has named.
+std::optional<std::string> named_peer(const grpc::CallbackServerContext& context) {
+  const auto found = context.client_metadata().find(kMadeFor);
+  if (found == context.client_metadata().end()) return {};
+  const std::string_view value(found->second.data(), found->second.size());
+  if (!value.starts_with(secret())) return {};
+  return std::string(value.substr(secret().size()));
+}
 
 /// gRPC keeps one such object for each connection, as long as it is open.
 const void* connection_object(grpc::CallbackServerContext& context) {
@@ -25,9 +48,12 @@ Caller caller_of(std::string_view peer) {
   return {std::string(peer.substr(0, port)), std::string(peer)};
 }
 
+std::string made_for(std::string_view peer) { return secret() + std::string(peer); }
+
 Caller caller_of(grpc::CallbackServerContext& context) {
-  Caller caller = caller_of(context.peer());
-  if (caller.connection.starts_with("unix:"))
+  const std::optional<std::string> other = named_peer(context);
+  Caller caller = caller_of(other ? *other : context.peer());
+  if (!other && caller.connection.starts_with("unix:"))
     caller.connection = fmt::format("unix:{}", connection_object(context));
   if (const Principal* principal = principal_of(context)) caller.principal = principal->name;
   return caller;

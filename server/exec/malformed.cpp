@@ -56,7 +56,14 @@ std::unique_ptr<experimental::ServerInterceptorFactoryInterface> refuse_malforme
   return std::make_unique<Factory>();
 }
 
+void free_if_large(google::protobuf::Message& message) {
+  if (message.ByteSizeLong() <= kIdleMessage) return;
+  const std::unique_ptr<google::protobuf::Message> fresh(message.New());
+  message.GetReflection()->Swap(&message, fresh.get());
+}
+
 void before_read(google::protobuf::Message& message) {
+  free_if_large(message);
   message.Clear();
   unknown_fields(message).AddVarint(kMark, 0);
 }

@@ -5,6 +5,7 @@
 #include <google/protobuf/message.h>
 #include <grpcpp/support/server_interceptor.h>
 
+#include <cstddef>
 #include <memory>
 
 #include "proto/result.h"
@@ -18,7 +19,14 @@ Error malformed_message();
 /// protobuf's parser silent in this process.
 std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface> refuse_malformed();
 
-/// Call this before each read of a stream, for the message that it fills.
+/// A call that waits for its peer keeps the memory of messages of this many bytes on the wire.
+inline constexpr std::size_t kIdleMessage = std::size_t{8} << 10;
+
+/// Frees the memory of a larger message: cleared, it would keep it. Call it before a call waits for
+/// its peer.
+void free_if_large(google::protobuf::Message& message);
+
+/// Call this before each read of a stream, for the message that it fills. Frees a large one.
 void before_read(google::protobuf::Message& message);
 
 /// How a read ended that got no message: OK if the client closed its side or is gone, or

@@ -51,6 +51,18 @@ void MemoryAccount::set_scene_trees(std::uint64_t bytes) {
   trees_->add_others(bytes - held_[index(Held::kTrees)].exchange(bytes));
 }
 
+void MemoryAccount::keep_while(std::vector<std::weak_ptr<const void>> users, Charge charge) {
+  const std::lock_guard lock(kept_mutex_);
+  kept_.push_back({std::move(users), std::move(charge)});
+}
+
+void MemoryAccount::release_gone() {
+  const std::lock_guard lock(kept_mutex_);
+  std::erase_if(kept_, [](const Kept& kept) {
+    return std::ranges::all_of(kept.users, [](const auto& user) { return user.expired(); });
+  });
+}
+
 Result<MemoryAccount::Charge> MemoryAccount::reclaim_and_charge(Held kind, std::uint64_t bytes) {
   if (const Status fits = reclaim(kind, bytes); !fits) return fits.error();
   return charge(kind, bytes);

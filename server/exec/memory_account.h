@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,7 +20,7 @@ namespace sightline::server::exec {
 /// What bytes are held for.
 enum class Held : std::uint8_t {
   kMeshes,     ///< Uploaded meshes.
-  kUploads,    ///< Uploads in progress, at their full size.
+  kUploads,    ///< Uploads and restores in progress: what has arrived.
   kPatches,    ///< Meshes that updates have made.
   kNodes,      ///< Scenes and their nodes.
   kLogs,       ///< Updates and answers that scenes keep.
@@ -56,6 +57,8 @@ class MemoryAccount {
     std::uint64_t bytes() const { return bytes_; }
     /// Changes the bytes to what is really held. Never refused.
     void resize(std::uint64_t bytes);
+    /// Takes over the bytes of another charge of this kind and account.
+    void add(Charge&& more) { bytes_ += std::exchange(more.bytes_, 0); }
 
    private:
     friend class MemoryAccount;
@@ -94,6 +97,11 @@ class MemoryAccount {
   Status reclaim(Held kind, std::uint64_t bytes);
   /// What the trees of meshes count their bytes in. Its limit is what all else leaves.
   const std::shared_ptr<accel::kdtree::TreeMemory>& trees() const { return trees_; }
+  /// Keeps the charge until none of these lives any more: what is charged has lost its owner, and
+  /// others still use it.
+  void keep_while(std::vector<std::weak_ptr<const void>> users, Charge charge);
+  /// Gives back what keep_while() has kept of those that are gone.
+  void release_gone();
   /// Sets what the trees of scenes over their instances hold: they are small, and measured from
   /// time to time.
   void set_scene_trees(std::uint64_t bytes);
@@ -126,6 +134,13 @@ class MemoryAccount {
   Reclaim reclaim_;
   // Charges race past the limit by at most what they add at that moment.
   std::array<std::atomic<std::uint64_t>, kHeldKinds> held_{};
+
+  struct Kept {
+    std::vector<std::weak_ptr<const void>> users;
+    Charge charge;
+  };
+  std::mutex kept_mutex_;  // protects the next
+  std::vector<Kept> kept_;
 };
 
 }  // namespace sightline::server::exec

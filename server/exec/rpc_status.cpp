@@ -12,6 +12,7 @@
 
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
+#include "proto/printable.h"
 #include "server/exec/admission.h"
 #include "server/exec/quotas.h"
 
@@ -51,7 +52,7 @@ grpc::Status to_grpc(const Error& error) {
   info.set_domain(kErrorDomain);
   google::rpc::Status status;
   status.set_code(code);
-  status.set_message(cut(error.message));
+  status.set_message(one_line(cut(error.message)));
   status.add_details()->PackFrom(info);
   if (is_temporary(code, info.reason())) {
     google::rpc::RetryInfo retry;
@@ -96,7 +97,7 @@ std::string quote(std::string_view text) {
   std::string out = "\"";
   for (const char c : text.substr(0, kMaxQuoted)) {
     if (c == '"' || c == '\\') out += '\\';
-    out += c >= ' ' && c <= '~' ? c : '?';
+    out += is_printable(c) ? c : '?';
   }
   out += '"';
   if (text.size() > kMaxQuoted) out += fmt::format("... ({} bytes)", text.size());

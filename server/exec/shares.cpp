@@ -26,6 +26,18 @@ std::string_view Exceeded::holder() const {
   return "your connection";
 }
 
+bool is_within(const Caller& caller, const Caller& other, Exceeded::Scope scope) {
+  switch (scope) {
+    case Exceeded::Scope::kAll:
+      return true;
+    case Exceeded::Scope::kPrincipal:
+      return caller.principal == other.principal;
+    case Exceeded::Scope::kConnection:
+      break;
+  }
+  return caller.connection == other.connection;
+}
+
 std::optional<Exceeded> Shares::exceeded(const Caller& caller, std::uint64_t amount) const {
   const auto over = [&](std::uint64_t now, std::uint64_t limit) {
     return now > limit || amount > limit - now;

@@ -36,6 +36,9 @@ struct Exceeded {
   std::string_view holder() const;
 };
 
+/// Whether what `other` holds counts in the limit of this scope that `caller` would exceed.
+bool is_within(const Caller& caller, const Caller& other, Exceeded::Scope scope);
+
 /// What callers hold of one limit. Threads: one at a time.
 class Shares {
  public:

@@ -10,9 +10,18 @@ Ticker::Ticker(std::chrono::milliseconds period, std::function<void()> work)
       work_(std::move(work)),
       thread_([this](const std::stop_token& stopped) { run(stopped); }) {}
 
+void Ticker::run_now() {
+  const std::lock_guard lock(mutex_);
+  now_ = true;
+  wake_.notify_all();
+}
+
 void Ticker::run(const std::stop_token& stopped) {
   std::unique_lock lock(mutex_);
-  while (!stopping_.wait_for(lock, stopped, period_, [&] { return stopped.stop_requested(); })) {
+  for (;;) {
+    wake_.wait_for(lock, stopped, period_, [this] { return now_; });
+    if (stopped.stop_requested()) return;
+    now_ = false;
     lock.unlock();
     work_();
     lock.lock();

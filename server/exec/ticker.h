@@ -15,6 +15,8 @@ class Ticker {
  public:
   Ticker(std::chrono::milliseconds period, std::function<void()> work);
   ~Ticker() = default;  // waits for work() that runs
+  /// Runs work() at once, after one that runs now. Threads: any.
+  void run_now();
   Ticker(const Ticker&) = delete;
   Ticker& operator=(const Ticker&) = delete;
 
@@ -24,7 +26,8 @@ class Ticker {
   const std::chrono::milliseconds period_;
   const std::function<void()> work_;
   std::mutex mutex_;
-  std::condition_variable_any stopping_;
+  bool now_ = false;
+  std::condition_variable_any wake_;
   std::jthread thread_;  // last: uses the members above
 };
 

@@ -4,6 +4,7 @@
 #include <google/protobuf/message.h>
 #include <grpcpp/server_context.h>
 
+#include <cstdint>
 #include <memory>
 #include <string_view>
 #include <utility>
@@ -31,6 +32,12 @@ Status hold_reply(UnreadReplies& unread, grpc::CallbackServerContext& context, c
                   const google::protobuf::Message& request, const google::protobuf::Message& reply,
                   const Status& status, std::unique_ptr<UnreadReplies::Held>& held);
 
+/// On which workers a call is answered.
+enum class WorkKind : std::uint8_t {
+  kShort,  ///< As other short calls, in the order in which they come.
+  kLong,   ///< In turn with queries and uploads of others, so that no short call waits for it.
+};
+
 /// Lives until its reply is read. Deletes itself.
 template <class Work>
 class UnaryCall final : public grpc::ServerUnaryReactor {
@@ -46,27 +53,33 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
         parts_(parts),
         work_(std::move(work)) {}
 
-  void start() {
+  void start(WorkKind kind) {
     auto work = parts_.quotas.begin_work(caller_, 0, request_.ByteSizeLong());
     if (!work) return Finish(to_grpc(work.error()));
     quota_ = std::move(*work);
     auto admitted = parts_.admission.admit(caller_, 0, request_.SpaceUsedLong());
     if (!admitted) return Finish(to_grpc(admitted.error()));
     ticket_ = std::move(*admitted);
-    parts_.compute.enqueue_management([this] {
-      const Status done =
-          hold_reply(parts_.unread, context_, caller_, request_, reply_, to_status(work_), held_);
-      const grpc::Status status = to_grpc(done);
-      ticket_ = {};
-      quota_ = {};
-      log_rpc(method_, context_, status, begun_);
-      Finish(status);  // may delete this reactor
-    });
+    if (kind == WorkKind::kLong) {
+      parts_.compute.enqueue_work(caller_, [this] { answer(); });
+    } else {
+      parts_.compute.enqueue_management([this] { answer(); });
+    }
   }
 
   void OnDone() override { delete this; }
 
  private:
+  void answer() {
+    const Status done =
+        hold_reply(parts_.unread, context_, caller_, request_, reply_, to_status(work_), held_);
+    const grpc::Status status = to_grpc(done);
+    ticket_ = {};
+    quota_ = {};
+    log_rpc(method_, context_, status, begun_);
+    Finish(status);  // may delete this reactor
+  }
+
   const LogClock::time_point begun_ = LogClock::now();
   const std::string_view method_;
   grpc::CallbackServerContext& context_;
@@ -87,9 +100,10 @@ grpc::ServerUnaryReactor* answer_in_arena(std::string_view method,
                                           grpc::CallbackServerContext& context,
                                           const google::protobuf::Message& request,
                                           const google::protobuf::Message& reply,
-                                          const UnaryParts& parts, Work work) {
+                                          const UnaryParts& parts, Work work,
+                                          WorkKind kind = WorkKind::kShort) {
   auto* call = new UnaryCall<Work>(method, context, request, reply, parts, std::move(work));
-  call->start();
+  call->start(kind);
   return call;
 }
 

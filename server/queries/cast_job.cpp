@@ -17,6 +17,9 @@
 namespace sightline::server::queries {
 namespace {
 
+/// A stream that rests keeps the memory for this number of rays.
+constexpr std::size_t kIdleRays = 256;
+
 /// Bytes of a reply with every field that DerivedColumns does not write.
 constexpr std::size_t kReplyBytesPerRay = 48;
 
@@ -389,10 +392,21 @@ Result<scenegraph::TraceStats> CastJob::trace_rays(std::size_t count,
   return traced;
 }
 
-void CastJob::close() {
+std::shared_ptr<const scenegraph::revision::Snapshot> CastJob::let_go() {
   selection_.reset();
   scene_.reset();
-  snapshot_.reset();
+  cut_.reset();
+  return std::move(snapshot_);
+}
+
+void CastJob::rest() {
+  if (batch_.size() <= kIdleRays && query_.kind != scenegraph::QueryKind::kAll) return;
+  rays_ = {};
+  made_ = {};
+  tallies_ = {};
+  states_ = {};
+  derived_ = {};
+  pager_ = {};
 }
 
 std::string CastJob::slow_description() const {

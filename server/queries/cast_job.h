@@ -91,8 +91,13 @@ class CastJob {
     stopped_.store(true);
   }
 
+  /// Gives the revision away, between two batches: there can be no other batch. Its last owner
+  /// frees its trees, which may take long.
+  std::shared_ptr<const scenegraph::revision::Snapshot> let_go();
   /// Releases the revision. The last release frees its trees, which may take long.
-  void close();
+  void close() { let_go(); }
+  /// Between two batches: frees what a large one has needed.
+  void rest();
 
   /// Whether the last batch has taken `limit` or more since it arrived. 0: never.
   bool is_slow(std::chrono::milliseconds limit) const {

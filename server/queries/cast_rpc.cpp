@@ -4,9 +4,10 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -16,6 +17,7 @@
 #include "server/exec/rpc_status.h"
 #include "server/queries/cast_job.h"
 #include "server/queries/prefetch_rpc.h"
+#include "server/scenes/revision_pins.h"
 #include "server/scenes/revision_wait.h"
 
 namespace sightline::server::queries {
@@ -105,6 +107,9 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
   std::unique_ptr<exec::UnreadReplies::Held> held_;
 };
 
+/// What a stream waits for, with nothing in work.
+enum class Wait : std::uint8_t { kNone, kForRequest, kForWrite };
+
 /// Reads a batch, traces it, writes its replies, and only then reads again. At most one operation
 /// is under way, so the call needs two messages, and a client that does not read its replies is not
 /// served.
@@ -118,6 +123,7 @@ class CastStream final
         slow_(services.slow_query),
         context_(context),
         streams_(services.cast_streams),
+        pins_(services.pins),
         job_(services, context, Replies::kMany),
         wait_(std::make_shared<scenes::RevisionWait>(services.compute, services.admission,
                                                      services.waiting_reads)) {}
@@ -131,7 +137,8 @@ class CastStream final
 
   void OnReadDone(bool ok) override {
     idle_.end();
-    if (!reading_.exchange(false)) return;  // end_idle() was first
+    rest_.end();
+    if (!stop_waiting()) return;  // end_idle() or let_go() was first
     if (!ok) return end(exec::end_of_reads(request_));
     if (batches_++ > 0) return cast();
     const v1::CastRaysRequest& first = request_.request();
@@ -145,6 +152,11 @@ class CastStream final
         [this, begin = begin_of_read(first)](Result<scenes::RevisionWait::SnapshotPointer> pinned) {
           count_read(metrics_, begin);
           if (!pinned) return end(pinned.error());
+          pins_.enter(this, {.caller = job_.caller(),
+                             .scene = job_.scene(),
+                             .revision = *pinned,
+                             .rest = &rest_,
+                             .let_go = [this](const Error& error) { return let_go(error); }});
           job_.pin(std::move(*pinned));
           cast();
         });
@@ -152,6 +164,9 @@ class CastStream final
 
   void OnWriteDone(bool ok) override {
     held_.reset();
+    rest_.end();
+    const bool let_go = !stop_waiting() && !reply_.response().more();
+    if (let_go) return end(*let_go_with_);
     if (!ok) return end(Error{Code::kCancelled, "the reply could not be written", "CANCELLED"});
     if (reply_.response().more()) return answer();
     read();
@@ -164,6 +179,7 @@ class CastStream final
 
   void OnDone() override {
     held_.reset();  // before the context goes
+    pins_.leave(this);
     streams_.leave(this);
     // On a worker: this may hold the last reference to a revision and free its trees.
     compute_.enqueue_background([this] { delete this; });
@@ -171,18 +187,47 @@ class CastStream final
 
  private:
   void read() {
+    exec::free_if_large(reply_);
+    job_.rest();
+    const std::lock_guard lock(mutex_);
     idle_.begin(exec::kIdleStream);
-    reading_ = true;
+    rest_.begin(exec::kIdleStream);
     exec::before_read(request_);
+    waits_ = Wait::kForRequest;
     StartRead(&request_);
+  }
+
+  /// Whether the call was waiting for its peer. Who stops the wait for a request may end the call.
+  bool stop_waiting() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(waits_, Wait::kNone) != Wait::kNone;
   }
 
   /// The client has sent nothing for too long.
   void end_idle() {
-    if (!reading_.exchange(false)) return;
+    {
+      const std::lock_guard lock(mutex_);
+      if (waits_ != Wait::kForRequest) return;
+      waits_ = Wait::kNone;
+    }
     end(Error{Code::kAborted,
               "the stream was idle, and its place is needed or its time is over: open it again",
               "STREAM_IDLE"});
+  }
+
+  /// The memory of the revision is needed elsewhere: gives it away if nothing is in work. While the
+  /// last reply to a batch is written, the call ends later.
+  scenes::RevisionPins::SnapshotPointer let_go(const Error& error) {
+    Wait waited = Wait::kNone;
+    {
+      const std::lock_guard lock(mutex_);
+      waited = std::exchange(waits_, Wait::kNone);
+      if (waited == Wait::kForWrite) let_go_with_ = error;
+    }
+    if (waited == Wait::kNone) return nullptr;
+    auto revision = job_.let_go();
+    if (waited == Wait::kForRequest) end(error);
+    return revision;
   }
 
   void cast() {
@@ -201,6 +246,10 @@ class CastStream final
           exec::hold_reply(unread_, context_, job_.caller(), request_, reply_, done, held_);
       if (!held) return end(held);
       reply_.set_chunk(request_.chunk());
+      if (reply_.response().more()) return StartWrite(&reply_);
+      const std::lock_guard lock(mutex_);
+      rest_.begin(exec::kReplyTimeout);
+      waits_ = Wait::kForWrite;
       StartWrite(&reply_);
     });
   }
@@ -219,8 +268,12 @@ class CastStream final
   const std::chrono::milliseconds slow_;
   grpc::CallbackServerContext& context_;
   exec::CallRegistry& streams_;
+  scenes::RevisionPins& pins_;
   exec::PeerWait idle_;
-  std::atomic<bool> reading_{false};  // the thread that clears it may end the call
+  exec::PeerWait rest_;  // nothing is in work
+  std::mutex mutex_;     // held while an operation starts, and protects the next two
+  Wait waits_ = Wait::kNone;
+  std::optional<Error> let_go_with_;  // during the last write
   CastJob job_;
   const std::shared_ptr<scenes::RevisionWait> wait_;
   std::uint64_t batches_ = 0;

@@ -197,6 +197,8 @@ Result<Needed> needed_by(const Snapshot& before,
 
 std::uint64_t bytes_of_nodes(std::uint64_t nodes) { return nodes * kBytesPerHeldNode; }
 
+std::uint64_t bytes_of_replaced(std::uint64_t nodes) { return nodes * kBytesPerNode; }
+
 std::uint64_t bytes_of_scene(std::uint64_t nodes, std::uint64_t names) {
   return kBytesPerScene + bytes_of_nodes(nodes) + names;
 }

@@ -36,8 +36,7 @@ Result<Needed> needed_by(const scenegraph::revision::Snapshot& before,
                          const std::vector<scenegraph::model::Update>& updates);
 
 /// About how many bytes of `before` the next revision does not share: nodes, patched vertices and
-/// their trees, but not the scene's trees. `updates` are resolved. Cost: proportional to the
-/// change.
+/// their trees, but not the scene's trees. Cost: proportional to the change.
 struct Replaced {
   std::uint64_t bytes = 0;
   std::uint64_t meshes = 0;  ///< Of these, bytes of patched meshes and their trees.
@@ -50,6 +49,8 @@ Replaced bytes_replaced(const scenegraph::revision::Snapshot& before,
 std::uint64_t bytes_of_replaced_trees(const scenegraph::revision::Snapshot& before,
                                       const scenegraph::revision::Snapshot& after);
 
+/// About the bytes of `nodes` nodes that a revision alone has.
+std::uint64_t bytes_of_replaced(std::uint64_t nodes);
 /// About the bytes of `nodes` nodes without their names and digests.
 std::uint64_t bytes_of_nodes(std::uint64_t nodes);
 /// About the bytes of a scene of `nodes` nodes whose names and digests have `names` bytes.

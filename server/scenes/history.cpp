@@ -15,16 +15,17 @@ RecentRevisions::SnapshotPointer RecentRevisions::retain(SnapshotPointer snapsho
     history_.newest().snapshot.swap(snapshot);
     return snapshot;
   }
-  history_.append({std::move(snapshot), {}});
+  history_.append({.snapshot = std::move(snapshot), .charge = {}});
   return nullptr;
 }
 
-std::vector<RecentRevisions::Kept> RecentRevisions::account(std::uint64_t bytes,
-                                                            Charge charge) noexcept {
+std::vector<RecentRevisions::Kept> RecentRevisions::account(std::uint64_t bytes, Charge charge,
+                                                            std::uint64_t trees) noexcept {
   const std::lock_guard lock(mutex_);
   if (history_.empty()) return {};  // drop_all() came in between
   history_.add_weight(bytes);
   history_.newest().charge = std::move(charge);
+  history_.newest().trees = trees;
   return history_.trim();
 }
 
@@ -34,6 +35,11 @@ RecentRevisions::SnapshotPointer RecentRevisions::find(std::uint64_t revision) c
   const std::uint64_t oldest = history_.oldest().snapshot->revision();
   if (revision < oldest || revision - oldest >= history_.size()) return nullptr;
   return history_[revision - oldest].snapshot;
+}
+
+RecentRevisions::SnapshotPointer RecentRevisions::oldest() const {
+  const std::lock_guard lock(mutex_);
+  return history_.empty() ? nullptr : history_.oldest().snapshot;
 }
 
 std::uint64_t RecentRevisions::oldest_or(std::uint64_t head) const {

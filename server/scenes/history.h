@@ -26,10 +26,15 @@ template <class Entry>
 class History {
  public:
   explicit History(HistoryLimits limits) : limits_(limits) {}
+  /// The places of entries are charged to `memory`.
+  History(HistoryLimits limits, exec::MemoryAccount& memory)
+      : limits_(limits), slots_(memory.record(exec::Held::kLogs, 0)) {}
 
   /// Reserves memory for `entries` more. Throws std::bad_alloc.
   void reserve_more(std::size_t entries = 1) {
-    if (items_.capacity() - items_.size() < entries) items_.reserve(2 * items_.size() + entries);
+    if (items_.capacity() - items_.size() >= entries) return;
+    items_.reserve(2 * items_.size() + entries);
+    slots_.resize(items_.capacity() * sizeof(Item));
   }
 
   /// Adds an entry; drops nothing. Does not throw after reserve_more().
@@ -87,6 +92,7 @@ class History {
   }
 
   HistoryLimits limits_;
+  exec::MemoryAccount::Charge slots_;
   std::vector<Item> items_;
   std::uint64_t weight_ = 0;
 };
@@ -106,6 +112,7 @@ class RecentRevisions {
   struct Kept {
     SnapshotPointer snapshot;
     Charge charge;
+    std::uint64_t trees = 0;  ///< Bytes of the scene's trees in the charge.
   };
 
   explicit RecentRevisions(RecentLimits limits = {})
@@ -121,12 +128,15 @@ class RecentRevisions {
   [[nodiscard]] SnapshotPointer retain(SnapshotPointer snapshot);
 
   /// Call it after the following revision is published. `bytes`: what that revision does not share
-  /// with the newest kept one; `charge`: for them. Returns what is no longer kept; destroying it
-  /// may take long.
-  [[nodiscard]] std::vector<Kept> account(std::uint64_t bytes, Charge charge = {}) noexcept;
+  /// with the newest kept one; `charge`: for them, and `trees` of them of the scene's trees.
+  /// Returns what is no longer kept; destroying it may take long.
+  [[nodiscard]] std::vector<Kept> account(std::uint64_t bytes, Charge charge = {},
+                                          std::uint64_t trees = 0) noexcept;
 
   /// Null if the revision is not kept.
   SnapshotPointer find(std::uint64_t revision) const;
+  /// The oldest one; null if none is kept.
+  SnapshotPointer oldest() const;
   /// The oldest revision that is kept; `head` if none is.
   std::uint64_t oldest_or(std::uint64_t head) const;
 

@@ -110,16 +110,19 @@ void Producer::commit(Put batch) {
 }
 
 Result<Producer*> Producers::open(const std::string& name) {
-  if (!producers_.contains(name) && producers_.size() >= limit_) {
+  const auto known = producers_.find(name);
+  if (known != producers_.end()) return &known->second;
+  if (producers_.size() >= limit_) {
     return Error{Code::kResourceExhausted,
                  fmt::format("the scene has had {} producers, the limit is {}; "
                              "use their names again",
                              producers_.size(), limit_),
                  "TOO_MANY_PRODUCERS"};
   }
-  Producer& producer = producers_[name];
-  producer.name = name;
-  return &producer;
+  // The map's key and the producer have the name.
+  auto charge = memory_.reclaim_and_charge(exec::Held::kLogs, kBytesPerProducer + 2 * name.size());
+  if (!charge) return charge.error();
+  return &producers_.try_emplace(name, name, memory_, std::move(*charge)).first->second;
 }
 
 Status check_producer_name(std::string_view name) {

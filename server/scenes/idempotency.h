@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "proto/result.h"
@@ -33,7 +34,7 @@ class RequestAnswers {
   /// Answers are charged to `memory`.
   explicit RequestAnswers(exec::MemoryAccount& memory, AnswerLimits limits = {})
       : records_(memory),
-        entries_({.entries = limits.answers, .weight = limits.nodes, .min_entries = 1}) {}
+        entries_({.entries = limits.answers, .weight = limits.nodes, .min_entries = 1}, memory) {}
 
   /// The revision and the nodes of the answer to an earlier request of this id, if there is one.
   /// `content` is a digest of the request. Errors: kInvalidArgument if the earlier request had
@@ -72,6 +73,10 @@ inline constexpr std::size_t kMaxProducers = 4096;   ///< For each scene.
 /// Batches of a producer whose put nodes are kept: as many as a call may have in flight.
 inline constexpr std::size_t kPutsKept = 16;
 inline constexpr std::size_t kPutIdsKept = 65536;  ///< Node ids in all of them.
+inline constexpr HistoryLimits kPutLimits{.entries = kPutsKept, .weight = kPutIdsKept};
+
+/// About the bytes of a producer without its name and its batches.
+inline constexpr std::uint64_t kBytesPerProducer = 448;
 
 /// A writer that streams numbered batches, and what is kept of the last ones. A batch that is sent
 /// again is known by its number. Lives as long as its scene. Used on the scene's write queue,
@@ -84,13 +89,17 @@ struct Producer {
     exec::MemoryAccount::Charge charge = {};
   };
 
+  Producer(std::string of, exec::MemoryAccount& memory, exec::MemoryAccount::Charge held)
+      : name(std::move(of)), charge(std::move(held)), put(kPutLimits, memory) {}
+
   /// Records the next batch, which was applied or rejected. Does not throw after
   /// put.reserve_more().
   void commit(Put batch);
 
-  std::string name;
-  std::uint64_t last_committed = 0;                                 ///< Sequence number.
-  History<Put> put{{.entries = kPutsKept, .weight = kPutIdsKept}};  ///< One entry for each batch.
+  const std::string name;
+  const exec::MemoryAccount::Charge charge;  ///< Without `put`.
+  std::uint64_t last_committed = 0;          ///< Sequence number.
+  History<Put> put;                          ///< One entry for each batch.
   /// The call that owns the producer now. Written on the write queue, read by any thread.
   std::atomic<const void*> call{nullptr};
 };
@@ -98,12 +107,16 @@ struct Producer {
 /// The producers of one scene, by name. Used on the scene's write queue.
 class Producers {
  public:
-  explicit Producers(std::size_t limit = kMaxProducers) : limit_(limit) {}
+  /// Names are charged to `memory`, which outlives this object.
+  explicit Producers(exec::MemoryAccount& memory, std::size_t limit = kMaxProducers)
+      : memory_(memory), limit_(limit) {}
 
-  /// Finds the producer of this name or adds it. Errors: kResourceExhausted (too many names).
+  /// Finds the producer of this name or adds it. Errors: kResourceExhausted (too many names, or the
+  /// memory budget).
   Result<Producer*> open(const std::string& name);
 
  private:
+  exec::MemoryAccount& memory_;
   const std::size_t limit_;
   std::map<std::string, Producer> producers_;
 };

@@ -23,9 +23,14 @@ void Reclaimer::measure() {
 
 /// With the mutex held: while this looks at scenes, none could be unloaded.
 void Reclaimer::measure_alone() {
-  std::uint64_t bytes = 0;
-  for (const auto& scene : scenes_.by_last_cast()) bytes += scene->placed_tree_bytes();
+  pins_.end_over_shares();
+  std::uint64_t bytes = pins_.tree_bytes();
+  for (const auto& scene : scenes_.by_last_cast()) {
+    bytes += scene->placed_tree_bytes();
+    scene->release_gone();
+  }
   memory_.set_scene_trees(bytes);
+  memory_.release_gone();
   const std::uint64_t evictions = memory_.trees()->evictions();
   // Freed blocks in the middle of the heap are otherwise kept.
   if (trimmed_at_.exchange(evictions) != evictions) malloc_trim(0);
@@ -75,6 +80,7 @@ void Reclaimer::reclaim(std::uint64_t bytes) {
   each_scene([this](StoredScene& scene) { tree_dropped(scene.drop_trees()); });
   drop_unused_meshes(bytes, blobs::Unused::kAny);
   while (!fits(bytes) && scenes_.unload_one()) drop_unused_meshes(bytes, blobs::Unused::kAny);
+  while (!fits(bytes) && pins_.end_one()) measure_alone();
   while (!fits(bytes) && blobs_.drop_idle()) {
   }
   accel::kdtree::reclaim();

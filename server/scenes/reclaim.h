@@ -10,6 +10,7 @@
 
 #include "server/blobs/blob_store.h"
 #include "server/exec/memory_account.h"
+#include "server/scenes/revision_pins.h"
 #include "server/scenes/scene_store.h"
 
 namespace sightline::server::scenes {
@@ -21,19 +22,22 @@ void free_dropped_trees();
 class Reclaimer {
  public:
   /// All arguments outlive this object.
-  Reclaimer(exec::MemoryAccount& memory, SceneStore& scenes, blobs::BlobStore& blobs)
-      : memory_(memory), scenes_(scenes), blobs_(blobs) {}
+  Reclaimer(exec::MemoryAccount& memory, SceneStore& scenes, blobs::BlobStore& blobs,
+            RevisionPins& pins)
+      : memory_(memory), scenes_(scenes), blobs_(blobs), pins_(pins) {}
 
-  /// Reports to the account what the scenes' trees over their instances hold, and gives memory that
-  /// evictions have freed back to the system. Cost: the number of scenes.
+  /// Ends pins over their shares, reports to the account what the scenes' trees over their
+  /// instances hold, and what readers have let go, and gives memory that evictions have freed back
+  /// to the system. Cost: the number of scenes and of pins.
   void measure();
 
   /// Drops, until `bytes` more fit into the budget or nothing is left: uploads set aside; old
   /// revisions; meshes that no scene uses, unless they are fresh; updates beyond kMinLogged
   /// revisions; pieces of meshes' trees, the least valuable first (scenegraph/model/eviction.h);
   /// the trees of scenes, those first at which rays were cast longest ago; fresh meshes; scenes
-  /// that no call uses and that can be read again, with their meshes; uploads without progress. May
-  /// take long; a second thread waits for the first.
+  /// that no call uses and that can be read again, with their meshes; pins of old revisions that
+  /// rest (RevisionPins::end_one()); uploads without progress. May take long; a second thread waits
+  /// for the first.
   void reclaim(std::uint64_t bytes);
 
   /// Evicts pieces of trees until these are at their low water mark. Returns the bytes evicted.
@@ -53,6 +57,7 @@ class Reclaimer {
   exec::MemoryAccount& memory_;
   SceneStore& scenes_;
   blobs::BlobStore& blobs_;
+  RevisionPins& pins_;
   std::atomic<std::uint64_t> evictions_{0};
   std::atomic<std::uint64_t> trimmed_at_{0};  // evictions of pieces, when memory was given back
   std::mutex mutex_;                          // held while memory is freed

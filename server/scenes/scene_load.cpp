@@ -25,8 +25,13 @@ class StoredScene::Loader final : public JournalReader {
     auto charge =
         scene_.memory_.reclaim_and_charge(exec::Held::kNodes, bytes_of_scene(nodes, names));
     if (!charge) return charge.error();
+    const auto before = scene_.snapshot();
     if (Status restored = scene_.scene_.restore(std::move(content)); !restored) return restored;
-    scene_.recent_.drop_all().clear();
+    auto kept = scene_.recent_.drop_all();
+    scene_.forget(kept);
+    if (before->node_count() > 0)
+      scene_.past_.add(*before,
+                       scene_.memory_.record(exec::Held::kRevisions, scene_.nodes_.bytes()));
     scene_.log_.begin_after(revision);
     scene_.name_bytes_ = names;
     scene_.nodes_ = std::move(*charge);

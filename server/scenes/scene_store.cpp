@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "server/scenes/applied_updates.h"
+
 namespace sightline::server::scenes {
 
 Status SceneStore::open() {
@@ -24,6 +26,8 @@ Status SceneStore::open() {
 }
 
 Result<std::shared_ptr<StoredScene>> SceneStore::create(SceneInfo info) {
+  if (const Status fits = memory_.reclaim(exec::Held::kNodes, bytes_of_scene(0, 0)); !fits)
+    return fits.error();
   const std::lock_guard changing(changing_);
   if (const Status known = look_up_while_changing(info.name); !known) return known.error();
   if (const Status good = check_put(info.name, false); !good) return good.error();

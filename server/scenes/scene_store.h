@@ -38,7 +38,7 @@ class SceneStore {
   Status open();
 
   /// Waits for the disk, where scenes are kept. Errors: kAlreadyExists, kResourceExhausted (too
-  /// many scenes), as SceneKeeper::create.
+  /// many scenes, or no room for it in the memory budget), as SceneKeeper::create.
   Result<std::shared_ptr<StoredScene>> create(SceneInfo info);
   /// A scene with these nodes, in place of the one of its name, if there is one. Waits for the
   /// disk. Errors: kFailedPrecondition (scenes are not kept), kResourceExhausted, as

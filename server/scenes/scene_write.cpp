@@ -68,11 +68,15 @@ Result<scenegraph::Applied> StoredScene::apply_at_head(
   const auto before = scene_.head();
   const auto needed = needed_by(*before, updates);
   if (!needed) return needed.error();
+  const Replaced replaced = bytes_replaced(*before, updates);
   if (needed->bytes() > 0) {
-    const Status fits = memory_.reclaim(exec::Held::kPatches, needed->bytes());
+    // While there are readers of it, both revisions are held.
+    const Status fits =
+        memory_.reclaim(exec::Held::kPatches, needed->bytes() + replaced.bytes - replaced.meshes);
     if (!fits) return fits.error();
   }
   auto publication = std::make_shared<Publication>();
+  publication->replaced = replaced;
   publication->new_nodes = memory_.record(exec::Held::kNodes, needed->nodes);
   publication->names = bytes_of_names(updates);
   WriteLine::Prepared item;
@@ -83,7 +87,7 @@ Result<scenegraph::Applied> StoredScene::apply_at_head(
       entry.mesh_digests = mesh_digests(updates);
       item = line->prepare(line_write(std::move(entry), options, write, publication));
     }
-    prepare_publication(*publication, *before, write, next, updates);
+    prepare_publication(*publication, write, next, updates);
     if (options.before_publish) options.before_publish(next);
   };
   const auto charge = [this](std::uint64_t bytes) { return charge_patch(bytes); };
@@ -158,13 +162,11 @@ WriteLine::Write StoredScene::line_write(JournalEntry entry,
   return line_write;
 }
 
-void StoredScene::prepare_publication(Publication& publication,
-                                      const scenegraph::revision::Snapshot& before,
-                                      const SceneWrite& write, const scenegraph::Applied& next,
+void StoredScene::prepare_publication(Publication& publication, const SceneWrite& write,
+                                      const scenegraph::Applied& next,
                                       std::vector<scenegraph::model::Update>& updates) {
   resolve(updates, next.nodes);
   publication.merge_trees = next.merge_trees;
-  publication.replaced = bytes_replaced(before, updates);
   reserve_patched(updates);
   recent_.reserve_more(waiting() + 1);
   publication.record = log_.prepare(updates, waiting());
@@ -203,12 +205,14 @@ void StoredScene::publish(Publication& publication) noexcept {
   if (!publication.revises) return;
   auto before = scene_.snapshot();
   auto unsettled = recent_.retain(before);
-  Replaced& replaced = publication.replaced;
-  if (unsettled != nullptr) replaced.bytes += bytes_of_replaced_trees(*unsettled, *before);
+  const Replaced& replaced = publication.replaced;
+  std::uint64_t trees = 0;
+  if (unsettled != nullptr) trees += bytes_of_replaced_trees(*unsettled, *before);
   scene_.publish_next();
-  replaced.bytes += bytes_of_replaced_trees(*before, *scene_.snapshot());
-  auto kept = memory_.record(exec::Held::kRevisions, replaced.bytes - replaced.meshes);
-  auto dropped = recent_.account(replaced.bytes, std::move(kept));
+  trees += bytes_of_replaced_trees(*before, *scene_.snapshot());
+  auto kept = memory_.record(exec::Held::kRevisions, replaced.bytes - replaced.meshes + trees);
+  auto dropped = recent_.account(replaced.bytes + trees, std::move(kept), trees);
+  forget(dropped);
   log_.add(std::move(publication.record));
   remember_patched(publication.updates);
   const std::size_t nodes = scene_.snapshot()->node_count();

@@ -18,6 +18,7 @@
 #include "server/exec/unread_replies.h"
 #include "server/metrics/query_metrics.h"
 #include "server/scenes/names.h"
+#include "server/scenes/revision_pins.h"
 #include "server/scenes/scene_store.h"
 
 namespace sightline::server::shards {
@@ -45,6 +46,7 @@ struct Services {
   exec::UnreadReplies& unread;
   exec::Quotas& quotas;
   metrics::QueryMetrics& metrics;
+  RevisionPins& pins;
   exec::CallRegistry& waiting_reads;  ///< Reads that wait for a revision.
   exec::CallRegistry& cast_streams;
   exec::CallRegistry& prefetches;

@@ -66,6 +66,12 @@ StoredScene::StoredScene(SceneInfo info, exec::MemoryAccount& memory, KeptScene 
   line_.emplace(std::move(parts));
 }
 
+StoredScene::~StoredScene() {
+  auto kept = recent_.drop_all();
+  forget(kept);
+  past_.add(*scene_.snapshot(), memory_.record(exec::Held::kRevisions, nodes_.bytes()));
+}
+
 KeptScene StoredScene::kept() const {
   return {journal_, incarnation_, unread(), number_,
           follower_ ? follower_->shared_replica() : nullptr};
@@ -99,6 +105,23 @@ void StoredScene::free_dropped() {
     const std::lock_guard lock(dropped_mutex_);
     dropped.swap(dropped_);
   }
+  dropped.clear();
+  release_gone();
+}
+
+void StoredScene::release_gone() {
+  const auto oldest = recent_.oldest();
+  past_.release_gone(oldest != nullptr ? *oldest : *scene_.snapshot());
+}
+
+/// Of the revisions that are no longer kept, what readers have still counts. The scene's trees of
+/// such a revision are counted with its readers.
+void StoredScene::forget(std::vector<RecentRevisions::Kept>& kept) noexcept {
+  for (RecentRevisions::Kept& revision : kept) {
+    revision.charge.resize(revision.charge.bytes() -
+                           std::min(revision.charge.bytes(), revision.trees));
+    past_.add(*revision.snapshot, std::move(revision.charge));
+  }
 }
 
 void StoredScene::remove() {
@@ -109,7 +132,9 @@ void StoredScene::remove() {
 Error StoredScene::removed_error() const { return unknown_scene(info_.name); }
 
 void StoredScene::drop_old_revisions() {
-  recent_.drop_all().clear();
+  auto kept = recent_.drop_all();
+  forget(kept);
+  kept.clear();
   free_dropped();
 }
 

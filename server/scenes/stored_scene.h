@@ -20,6 +20,7 @@
 #include "server/scenes/idempotency.h"
 #include "server/scenes/journal.h"
 #include "server/scenes/names.h"
+#include "server/scenes/past_revisions.h"
 #include "server/scenes/scene_events.h"
 #include "server/scenes/scene_follower.h"
 #include "server/scenes/scene_info.h"
@@ -62,6 +63,10 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
 
   /// What the scene holds is charged to `memory`, which outlives it.
   StoredScene(SceneInfo info, exec::MemoryAccount& memory, KeptScene kept = {});
+  /// What readers still have is charged until they are gone.
+  ~StoredScene();
+  StoredScene(const StoredScene&) = delete;
+  StoredScene& operator=(const StoredScene&) = delete;
 
   /// Reads the scene from its journal if it is not loaded. Other members but info(), token() and
   /// remove() may be used only after that. Waits for another thread that does the same. Errors: as
@@ -161,6 +166,10 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
 
   /// Drops all revisions except the newest, and with them the meshes that only they use.
   void drop_old_revisions();
+  /// Revisions that only readers have.
+  const PastRevisions& past() const { return past_; }
+  /// Stops counting those of them that have no reader any more.
+  void release_gone();
   /// Drops all updates from the log but those of the newest kMinLogged revisions.
   void drop_old_updates();
   /// As Scene::drop_trees. Returns about the bytes of the old trees.
@@ -196,8 +205,8 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   WriteLine::Write line_write(JournalEntry entry, const scenegraph::ApplyOptions& options,
                               const SceneWrite& write,
                               const std::shared_ptr<Publication>& publication);
-  void prepare_publication(Publication& publication, const scenegraph::revision::Snapshot& before,
-                           const SceneWrite& write, const scenegraph::Applied& next,
+  void prepare_publication(Publication& publication, const SceneWrite& write,
+                           const scenegraph::Applied& next,
                            std::vector<scenegraph::model::Update>& updates);
   void prepare_producer(Publication& publication, const SceneWrite& write,
                         const scenegraph::Applied& next);
@@ -213,6 +222,7 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   Result<std::shared_ptr<const void>> charge_patch(std::uint64_t bytes);
   void reserve_patched(const std::vector<scenegraph::model::Update>& updates);
   void remember_patched(const std::vector<scenegraph::model::Update>& updates);
+  void forget(std::vector<RecentRevisions::Kept>& kept) noexcept;
   void settle_later(Dropped dropped, bool settle) noexcept;
   /// When it returns, nothing that was dropped before the call is held any more.
   void free_dropped();
@@ -231,6 +241,7 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   mutable std::mutex patched_mutex_;
   mutable PatchedMeshes patched_;  // meshes that updates have made, of any revision
   std::atomic<Clock::time_point> last_cast_{Clock::now()};
+  PastRevisions past_{memory_};  // goes after all owners of revisions that are below
   scenegraph::Scene scene_;
   RecentRevisions recent_;
   UpdateLog log_{memory_};
@@ -244,7 +255,7 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   std::vector<Dropped> dropped_;
   exec::Strand write_queue_;
   RequestAnswers answers_{memory_};
-  Producers producers_;
+  Producers producers_{memory_};
   std::mutex summary_mutex_;
   std::optional<std::uint64_t> summarized_revision_;
   scenegraph::revision::SceneSummary summary_;

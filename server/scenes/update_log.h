@@ -29,7 +29,7 @@ class UpdateLog {
   /// Records are charged to `memory`, also those that only readers still hold.
   explicit UpdateLog(exec::MemoryAccount& memory, LogLimits limits = {})
       : records_(memory),
-        history_({.entries = limits.revisions, .weight = limits.bytes, .min_entries = 1}) {}
+        history_({.entries = limits.revisions, .weight = limits.bytes, .min_entries = 1}, memory) {}
 
   /// Makes a record of updates whose nodes are named by their ids, and reserves memory to add it
   /// and `waiting` others that were made before. Throws std::bad_alloc, and then nothing has

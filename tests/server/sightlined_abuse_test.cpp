@@ -20,13 +20,6 @@
 namespace sightline::tests {
 namespace {
 
-// The address sanitizer keeps freed memory; the thread sanitizer keeps a shadow of it.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kMemoryIsPlain = false;
-#else
-constexpr bool kMemoryIsPlain = true;
-#endif
-
 /// A server whose memory may grow by at most 64 MiB under the abuse.
 class SightlinedAbuse : public testing::Test {
  protected:

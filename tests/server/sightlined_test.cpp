@@ -245,6 +245,33 @@ TEST_F(Sightlined, ReportsWhyItDoesNotStart) {
   expect_end({"--listen", taken}, 1, taken);
 }
 
+TEST_F(Sightlined, SignalsForOtherProgramsAreIgnored) {
+  ChildServer child({"--listen", "127.0.0.1:0"});
+  const int port = child.port();
+  ASSERT_GT(port, 0) << child.output();
+  for (const int number : {SIGUSR1, SIGUSR2, SIGPIPE, SIGALRM, SIGVTALRM, SIGPROF, SIGIO, SIGPWR,
+                           SIGSTKFLT, SIGRTMIN, SIGRTMAX, SIGHUP})
+    child.signal(number);
+  EXPECT_TRUE(child.writes("event=reloaded certificates=none tokens=none")) << child.output();
+  Api(connect(port)).make_scene(kScene, cube());
+  child.signal(SIGTERM);
+  EXPECT_EQ(child.wait(), 0) << child.output();
+}
+
+TEST_F(Sightlined, SaysWhatItReadsOnSighup) {
+  std::ofstream(root_ / "tokens") << token_row("robot", "secret", "read", R"("")");
+  ChildServer child({"--listen", "127.0.0.1:0", "--tokens", root_ / "tokens"});
+  ASSERT_GT(child.port(), 0) << child.output();
+  child.signal(SIGHUP);
+  EXPECT_TRUE(child.writes("event=reloaded certificates=none tokens=read")) << child.output();
+  std::ofstream(root_ / "tokens") << "[[token]]\nname = ";
+  for (int i = 0; i < 2; ++i) child.signal(SIGHUP);
+  EXPECT_TRUE(child.writes("event=reloaded certificates=none tokens=kept error=\""))
+      << child.output();
+  child.signal(SIGTERM);
+  EXPECT_EQ(child.wait(), 0) << child.output();
+}
+
 TEST_F(Sightlined, ServesWithTlsAndTokensThatItReadsAgain) {
   const auto write = [this](const char* name, const std::string& content) {
     std::ofstream(root_ / name) << content;

@@ -130,5 +130,34 @@ TEST(PersistentMap, CopiesDoNotSeeLaterChanges) {
   EXPECT_EQ(a.find(7)->get(), b.find(7)->get());
 }
 
+TEST(PersistentMap, CountsWhatAnotherHasNot) {
+  Map a;
+  for (std::uint64_t k = 1; k <= 3000; ++k) a.set(k, std::make_shared<int>(1));
+  Map b = a;
+  EXPECT_EQ(a.count_not_in(b), 0u);
+  b.set(50, std::make_shared<int>(2));
+  b.set(51, nullptr);
+  b.set(3001, std::make_shared<int>(3));
+  b.set(std::uint64_t{1} << 30, std::make_shared<int>(3));  // it grows higher
+  EXPECT_EQ(a.count_not_in(b), 2u);
+  EXPECT_EQ(b.count_not_in(a), 3u);
+  EXPECT_EQ(a.count_not_in(Map()), 3000u);
+  EXPECT_EQ(Map().count_not_in(a), 0u);
+}
+
+TEST(PersistentMap, AWeakOneLivesAsLongAsItsCopies) {
+  Map a;
+  a.set(7, std::make_shared<int>(1));
+  const Map::Weak weak(a);
+  auto copy = std::make_unique<Map>(a);
+  a.set(7, std::make_shared<int>(2));
+  EXPECT_FALSE(weak.expired());
+  EXPECT_EQ(**weak.lock().find(7), 1);
+  copy = nullptr;
+  EXPECT_TRUE(weak.expired());
+  EXPECT_EQ(weak.lock().size(), 0u);
+  EXPECT_TRUE(Map::Weak(Map()).expired());
+}
+
 }  // namespace
 }  // namespace sightline::scenegraph::model

@@ -19,6 +19,7 @@ using tests::bytes_of;
 using tests::digest_of;
 
 constexpr std::uint64_t kRoomy = 1 << 20;
+const exec::Caller kCaller{"robot", "robot:1"}, kOther{"other", "other:1"};
 const auto kNever = std::chrono::hours(1);
 
 /// All different, all of one size.
@@ -45,7 +46,7 @@ struct Budgeted {
 };
 
 BlobStore::MeshPointer store(BlobStore& blobs, const std::string& blob) {
-  const auto upload = blobs.begin(digest_of(blob), 0);
+  const auto upload = blobs.begin(digest_of(blob), 0, kCaller);
   if (!upload) return nullptr;
   EXPECT_TRUE((*upload)->append(0, bytes_of(blob)));
   const auto mesh = blobs.complete(*upload);
@@ -77,15 +78,15 @@ TEST(BlobStore, AnUploadCanBeResumed) {
   BlobStore& blobs = budgeted.blobs;
   const std::string blob = blob_of(tests::cube());
   {
-    const auto upload = blobs.begin(digest_of(blob), 0);
+    const auto upload = blobs.begin(digest_of(blob), 0, kCaller);
     ASSERT_TRUE(upload);
     ASSERT_TRUE((*upload)->append(0, bytes_of(blob).first(100)));
     EXPECT_EQ(blobs.status(digest_of(blob)).committed, 0u) << "it is in somebody's hands";
     blobs.set_aside(*upload);
   }
   EXPECT_EQ(blobs.status(digest_of(blob)).committed, 100u);
-  EXPECT_EQ(blobs.begin(digest_of(blob), 99).error().code, Code::kOutOfRange);
-  const auto upload = blobs.begin(digest_of(blob), 100);
+  EXPECT_EQ(blobs.begin(digest_of(blob), 99, kCaller).error().code, Code::kOutOfRange);
+  const auto upload = blobs.begin(digest_of(blob), 100, kCaller);
   ASSERT_TRUE(upload);
   ASSERT_TRUE((*upload)->append(100, bytes_of(blob).subspan(100)));
   EXPECT_TRUE(blobs.complete(*upload));
@@ -95,8 +96,8 @@ TEST(BlobStore, AcceptsBytesInOrderOnly) {
   Budgeted budgeted(kRoomy);
   BlobStore& blobs = budgeted.blobs;
   const std::string blob = blob_of(tests::cube());
-  EXPECT_EQ(blobs.begin(digest_of(blob), 7).error().code, Code::kOutOfRange);
-  const auto upload = blobs.begin(digest_of(blob), 0);
+  EXPECT_EQ(blobs.begin(digest_of(blob), 7, kCaller).error().code, Code::kOutOfRange);
+  const auto upload = blobs.begin(digest_of(blob), 0, kCaller);
   const Status gap = (*upload)->append(10, bytes_of(blob).first(10));
   ASSERT_FALSE(gap);
   EXPECT_EQ(gap.error().code, Code::kOutOfRange);
@@ -107,7 +108,7 @@ TEST(BlobStore, RefusesBytesThatDoNotMatchTheDigest) {
   Budgeted budgeted(kRoomy);
   BlobStore& blobs = budgeted.blobs;
   const std::string blob = sheet_blob(1);
-  const auto upload = blobs.begin(digest_of(sheet_blob(2)), 0);
+  const auto upload = blobs.begin(digest_of(sheet_blob(2)), 0, kCaller);
   ASSERT_TRUE((*upload)->append(0, bytes_of(blob)));
   const auto mesh = blobs.complete(*upload);
   ASSERT_FALSE(mesh);
@@ -118,18 +119,77 @@ TEST(BlobStore, RefusesBytesThatDoNotMatchTheDigest) {
 
 TEST(BlobStore, NamesTheExceededBudget) {
   const std::string blob = sheet_blob(0);
-  Budgeted budgeted(blob.size() + 10);
+  const std::uint64_t budget = blob.size() * 3 / 2;
+  Budgeted budgeted(budget);
   BlobStore& blobs = budgeted.blobs;
   BlobDigest large = digest_of(blob);
-  large.size = blob.size() + 11;
-  EXPECT_EQ(blobs.begin(large, 0).error().code, Code::kResourceExhausted);
+  large.size = budget + 1;
+  EXPECT_EQ(blobs.begin(large, 0, kCaller).error().code, Code::kResourceExhausted);
   const auto mesh = store(blobs, blob);
-  const auto refused = blobs.begin(digest_of(sheet_blob(1)), 0);
+  const auto upload = blobs.begin(digest_of(sheet_blob(1)), 0, kCaller);
+  ASSERT_TRUE(upload);
+  const Status refused = (*upload)->append(0, bytes_of(sheet_blob(1)));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Code::kResourceExhausted);
   EXPECT_NE(refused.error().message.find(std::to_string(budgeted.memory.used())),
             std::string::npos);
-  EXPECT_NE(refused.error().message.find(std::to_string(blob.size() + 10)), std::string::npos);
+  EXPECT_NE(refused.error().message.find(std::to_string(budget)), std::string::npos);
+}
+
+/// What is declared and does not come holds nothing.
+TEST(BlobStore, CountsBytesWhenTheyArrive) {
+  Budgeted budgeted(kRoomy);
+  BlobStore& blobs = budgeted.blobs;
+  BlobDigest large = digest_of(sheet_blob(0));
+  large.size = kRoomy / 2;
+  std::vector<std::shared_ptr<Upload>> claims;
+  for (int i = 0; i < 8; ++i) claims.push_back(*blobs.begin(large, 0, kCaller));
+  EXPECT_EQ(budgeted.memory.used(), 0u);
+  const std::string blob = sheet_blob(1);
+  const auto upload = *blobs.begin(digest_of(blob), 0, kCaller);
+  ASSERT_TRUE(upload->append(0, bytes_of(blob).first(100)));
+  EXPECT_EQ(budgeted.memory.used(exec::Held::kUploads), 100u);
+  ASSERT_TRUE(upload->append(100, bytes_of(blob).subspan(100)));
+  EXPECT_EQ(budgeted.memory.used(exec::Held::kUploads), blob.size());
+  ASSERT_TRUE(blobs.complete(upload));
+  EXPECT_EQ(budgeted.memory.used(exec::Held::kUploads), 0u);
+}
+
+TEST(BlobStore, LeavesOthersTheirShareOfBytes) {
+  const std::string blob = sheet_blob(0);
+  Budgeted budgeted(4 * blob.size());
+  BlobStore& blobs = budgeted.blobs;
+  std::vector<std::shared_ptr<Upload>> held;
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    held.push_back(*blobs.begin(digest_of(sheet_blob(i)), 0, kCaller));
+    ASSERT_TRUE(held.back()->append(0, bytes_of(sheet_blob(i)).first(blob.size() - 1)));
+  }
+  const auto fourth = *blobs.begin(digest_of(sheet_blob(3)), 0, kCaller);
+  const Status refused = fourth->append(0, bytes_of(sheet_blob(3)));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, exec::kMemoryBudget);
+  EXPECT_NE(refused.error().message.find("of your address is"), std::string::npos)
+      << refused.error().message;
+  const auto other = *blobs.begin(digest_of(sheet_blob(4)), 0, kOther);
+  EXPECT_TRUE(other->append(0, bytes_of(sheet_blob(4))));
+  blobs.set_aside(held.front());
+  EXPECT_TRUE(fourth->append(0, bytes_of(sheet_blob(3)))) << "the one set aside has gone";
+}
+
+TEST(BlobStore, LeavesOthersTheirShareOfUploads) {
+  Budgeted budgeted(kRoomy, {.uploads = 8, .idle = kNever});
+  BlobStore& blobs = budgeted.blobs;
+  const auto begin = [&](std::uint32_t which, const exec::Caller& caller) {
+    return blobs.begin(digest_of(sheet_blob(which)), 0, caller);
+  };
+  std::vector<std::shared_ptr<Upload>> held;
+  for (std::uint32_t i = 0; i < 6; ++i)
+    held.push_back(*begin(i, {"robot", "robot:" + std::to_string(i / 2)}));
+  EXPECT_EQ(begin(6, {"robot", "robot:0"}).error().reason, "TOO_MANY_UPLOADS");
+  EXPECT_EQ(begin(6, {"robot", "robot:9"}).error().reason, "TOO_MANY_UPLOADS");
+  EXPECT_TRUE(begin(7, kOther));
+  blobs.abandon(held.back());
+  EXPECT_TRUE(begin(6, {"robot", "robot:9"}));
 }
 
 TEST(BlobStore, DropsUnusedMeshesOldestFirst) {
@@ -189,18 +249,19 @@ TEST(BlobStore, DropsUploadsSetAsideBeforeMeshes) {
   Budgeted budgeted(2 * sheet_bytes());
   BlobStore& blobs = budgeted.blobs;
   store(blobs, sheet_blob(0));
-  blobs.set_aside(*blobs.begin(digest_of(sheet_blob(1)), 0));
+  blobs.set_aside(*blobs.begin(digest_of(sheet_blob(1)), 0, kCaller));
   ASSERT_NE(store(blobs, sheet_blob(2)), nullptr);
   EXPECT_NE(blobs.find(digest_of(sheet_blob(0))), nullptr);
 }
 
 TEST(BlobStore, DropsIdleUploadsForNewOnes) {
   const std::size_t size = sheet_blob(0).size();
-  Budgeted budgeted(size, {.idle = std::chrono::seconds(0)});
+  Budgeted budgeted(size * 3 / 2, {.idle = std::chrono::seconds(0)});
   BlobStore& blobs = budgeted.blobs;
-  const auto standing = blobs.begin(digest_of(sheet_blob(0)), 0);
+  const auto standing = blobs.begin(digest_of(sheet_blob(0)), 0, kCaller);
+  ASSERT_TRUE((*standing)->append(0, bytes_of(sheet_blob(0)).first(size - 1)));
   ASSERT_NE(store(blobs, sheet_blob(1)), nullptr);
-  const Status dropped = (*standing)->append(0, bytes_of(sheet_blob(0)));
+  const Status dropped = (*standing)->append(size - 1, bytes_of(sheet_blob(0)).last(1));
   ASSERT_FALSE(dropped);
   EXPECT_EQ(dropped.error().code, Code::kAborted);
   EXPECT_EQ(blobs.complete(*standing).error().code, Code::kAborted);
@@ -213,7 +274,7 @@ TEST(BlobStore, ATrickleOfBytesDoesNotKeepAnUpload) {
   const std::string blob = blob_of(tests::planar_sheet(100));
   ASSERT_GT(blob.size(), 2 * kUploadProgress);
   Budgeted budgeted(kRoomy);
-  const auto upload = budgeted.blobs.begin(digest_of(blob), 0);
+  const auto upload = budgeted.blobs.begin(digest_of(blob), 0, kCaller);
   ASSERT_TRUE(upload);
   const auto begun = (*upload)->last_progress();
   for (std::size_t at = 0; at < 100; ++at)
@@ -230,27 +291,28 @@ TEST(BlobStore, ATrickleOfBytesDoesNotKeepAnUpload) {
 TEST(BlobStore, BoundsTheNumberOfUploads) {
   Budgeted budgeted(kRoomy, {.uploads = 2, .idle = kNever});
   BlobStore& blobs = budgeted.blobs;
-  const auto first = blobs.begin(digest_of(sheet_blob(0)), 0);
-  const auto second = blobs.begin(digest_of(sheet_blob(1)), 0);
-  EXPECT_EQ(blobs.begin(digest_of(sheet_blob(2)), 0).error().reason, "TOO_MANY_UPLOADS");
-  blobs.set_aside(*first);
-  EXPECT_TRUE(blobs.begin(digest_of(sheet_blob(2)), 0))
+  const auto first = *blobs.begin(digest_of(sheet_blob(0)), 0, kCaller);
+  const auto second = blobs.begin(digest_of(sheet_blob(1)), 0, kOther);
+  EXPECT_EQ(blobs.begin(digest_of(sheet_blob(2)), 0, kCaller).error().reason, "TOO_MANY_UPLOADS");
+  blobs.set_aside(first);
+  EXPECT_TRUE(blobs.begin(digest_of(sheet_blob(2)), 0, kCaller))
       << "a set-aside upload is dropped for a new one";
 }
 
 TEST(BlobStore, ReleasesTheBytesOfAnAbandonedUpload) {
   Budgeted budgeted(kRoomy);
   BlobStore& blobs = budgeted.blobs;
-  const auto upload = blobs.begin(digest_of(sheet_blob(0)), 0);
+  const auto upload = *blobs.begin(digest_of(sheet_blob(0)), 0, kCaller);
+  ASSERT_TRUE(upload->append(0, bytes_of(sheet_blob(0))));
   EXPECT_EQ(budgeted.memory.used(), sheet_blob(0).size());
-  blobs.abandon(*upload);
+  blobs.abandon(upload);
   EXPECT_EQ(budgeted.memory.used(), 0u);
 }
 
 TEST(BlobStore, RefusesADigestTooSmallForAMesh) {
   Budgeted budgeted(kRoomy);
   BlobStore& blobs = budgeted.blobs;
-  EXPECT_EQ(blobs.begin(digest_of("abc"), 0).error().code, Code::kInvalidArgument);
+  EXPECT_EQ(blobs.begin(digest_of("abc"), 0, kCaller).error().code, Code::kInvalidArgument);
 }
 
 TEST(BlobStore, ManyThreadsMayUploadOneDigest) {
@@ -261,7 +323,7 @@ TEST(BlobStore, ManyThreadsMayUploadOneDigest) {
   std::vector<std::thread> threads;
   for (auto& mesh : meshes) {
     threads.emplace_back([&] {
-      const auto upload = blobs.begin(digest_of(blob), 0);
+      const auto upload = blobs.begin(digest_of(blob), 0, kCaller);
       for (std::size_t at = 0; at < blob.size(); at += 1000) {
         ASSERT_TRUE((*upload)->append(
             at, bytes_of(blob).subspan(at, std::min<std::size_t>(1000, blob.size() - at))));

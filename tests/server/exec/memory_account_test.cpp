@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <memory>
 #include <utility>
 
 namespace sightline::server::exec {
@@ -23,6 +24,22 @@ TEST(MemoryAccount, CountsEachKindUntilItsChargeEnds) {
     moved = {};
     EXPECT_EQ(memory.used(), 100u);
   }
+  EXPECT_EQ(memory.used(), 0u);
+}
+
+TEST(MemoryAccount, KeepsAChargeWhileSomebodyUsesWhatIsCharged) {
+  MemoryAccount memory(1000);
+  auto first = std::make_shared<int>(1), second = std::make_shared<int>(2);
+  auto charge = memory.record(Held::kRevisions, 100);
+  charge.add(memory.record(Held::kRevisions, 20));
+  EXPECT_EQ(charge.bytes(), 120u);
+  memory.keep_while({first, second}, std::move(charge));
+  first = nullptr;
+  memory.release_gone();
+  EXPECT_EQ(memory.used(Held::kRevisions), 120u);
+  second = nullptr;
+  EXPECT_EQ(memory.used(), 120u) << "until it is looked at";
+  memory.release_gone();
   EXPECT_EQ(memory.used(), 0u);
 }
 

@@ -83,6 +83,11 @@ TEST(RpcStatus, CutsLongMessagesBetweenCharacters) {
   EXPECT_EQ(status.error_message().substr(status.error_message().size() - 5), "\xc3\xa4...");
 }
 
+TEST(RpcStatus, MessagesAreOneLine) {
+  const grpc::Status status = to_grpc(Error{Code::kInternal, "a\r\nb\x1b[2J\xc3\xa4\x7f", ""});
+  EXPECT_EQ(status.error_message(), "a??b?[2J\xc3\xa4?");
+}
+
 TEST(RpcStatus, OkIsOk) { EXPECT_TRUE(to_grpc(Status()).ok()); }
 
 TEST(Quote, ShowsPrintableText) { EXPECT_EQ(quote("a b"), "\"a b\""); }

@@ -56,7 +56,8 @@ TEST(RequestAnswers, RefusesADifferentRequestWithTheSameId) {
 }
 
 TEST(Producers, AreFoundAgainAndBounded) {
-  Producers producers(2);
+  exec::MemoryAccount memory(1 << 20);
+  Producers producers(memory, 2);
   const auto a = producers.open("a");
   ASSERT_TRUE(a);
   (*a)->commit({.sequence = 5, .nodes = {}, .charge = {}});
@@ -67,8 +68,25 @@ TEST(Producers, AreFoundAgainAndBounded) {
   EXPECT_EQ((*producers.open("a"))->last_committed, 5u);
 }
 
+TEST(Producers, AreChargedByTheirNames) {
+  exec::MemoryAccount memory(3 * kBytesPerProducer);
+  Producers producers(memory);
+  const std::string name(kMaxProducerName, 'x');
+  ASSERT_TRUE(producers.open(name));
+  EXPECT_EQ(memory.used(exec::Held::kLogs), kBytesPerProducer + 2 * name.size());
+  ASSERT_TRUE(producers.open("b"));
+  const auto third = producers.open("c");
+  ASSERT_FALSE(third);
+  EXPECT_EQ(third.error().reason, exec::kMemoryBudget);
+  EXPECT_TRUE(producers.open(name)) << "it is known";
+  const std::uint64_t before = memory.used();
+  (*producers.open("b"))->put.reserve_more(kPutsKept);
+  EXPECT_GE(memory.used(), before + kPutsKept * sizeof(Producer::Put));
+}
+
 TEST(Producers, KeepTheIdsOfTheLastBatches) {
-  Producer producer;
+  exec::MemoryAccount memory(1 << 20);
+  Producer producer("robot", memory, {});
   for (std::uint64_t i = 1; i <= 40; ++i)
     producer.commit({i,
                      i % 2 == 0 ? std::vector<scenegraph::model::NodeId>{i}

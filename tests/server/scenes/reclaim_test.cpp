@@ -27,7 +27,7 @@ class ReclaimerTest : public testing::Test {
     tests::TestMesh mesh = tests::planar_sheet(80);
     mesh.vertices.front().z = static_cast<float>(which);
     const std::string blob = tests::blob_of(mesh);
-    const auto upload = *blobs_.begin(tests::digest_of(blob), 0);
+    const auto upload = *blobs_.begin(tests::digest_of(blob), 0, {"robot", "robot:1"});
     EXPECT_TRUE(upload->append(0, tests::bytes_of(blob)));
     return *blobs_.complete(upload);
   }
@@ -62,7 +62,8 @@ class ReclaimerTest : public testing::Test {
   exec::MemoryAccount memory_{std::uint64_t{1} << 30};
   SceneStore scenes_{memory_};
   blobs::BlobStore blobs_{memory_, {.fresh = std::chrono::seconds(0)}};
-  Reclaimer reclaimer_{memory_, scenes_, blobs_};
+  RevisionPins pins_{memory_.budget()};
+  Reclaimer reclaimer_{memory_, scenes_, blobs_, pins_};
   exec::Compute compute_{1};
 };
 

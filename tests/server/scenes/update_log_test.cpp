@@ -66,15 +66,17 @@ TEST(UpdateLog, DropsAllButTheNewest) {
   const std::vector<Update> large = patch(10'000);  // a chunk of its own
   UpdateLog log(memory);
   for (int i = 0; i < 5; ++i) log.add(log.prepare(large));
-  EXPECT_EQ(memory.used(exec::Held::kLogs), 5 * encoded_bytes(large));
+  const std::uint64_t slots = memory.used(exec::Held::kLogs) - 5 * encoded_bytes(large);
+  EXPECT_LT(slots, 1000U);
   auto dropped = log.drop_all_but(2);
   EXPECT_EQ(dropped.size(), 3u);
   EXPECT_FALSE(log.find(3));
   EXPECT_TRUE(log.find(4));
   EXPECT_EQ(log.last(), 5u);
-  EXPECT_EQ(memory.used(exec::Held::kLogs), 5 * encoded_bytes(large)) << "a reader may hold them";
+  EXPECT_EQ(memory.used(exec::Held::kLogs), slots + 5 * encoded_bytes(large))
+      << "a reader may hold them";
   dropped.clear();
-  EXPECT_EQ(memory.used(exec::Held::kLogs), 2 * encoded_bytes(large));
+  EXPECT_EQ(memory.used(exec::Held::kLogs), slots + 2 * encoded_bytes(large));
 }
 
 TEST(UpdateLog, AHeldRecordOutlivesTheLog) {

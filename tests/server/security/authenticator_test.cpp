@@ -72,14 +72,14 @@ TEST_F(AuthenticatorTest, AFileThatIsBadOrGoneKeepsTheOldTokens) {
   const auto channel = server.connect();
   for (const std::string bad : {"", "[[token]]\nname = ", "[[token]]\nname = \"robot\"\n"}) {
     dir_.write("tokens.toml", bad);
-    authenticator->reload();
+    EXPECT_FALSE(authenticator->reload()) << bad;
     EXPECT_EQ(ask(channel, {"Bearer secret"}), "robot") << bad;
   }
   std::filesystem::remove(dir_.path("tokens.toml"));
-  authenticator->reload();
+  EXPECT_FALSE(authenticator->reload());
   EXPECT_EQ(ask(channel, {"Bearer secret"}), "robot");
   dir_.write("tokens.toml", token_row("robot", "new-secret", "read", R"("")"));
-  authenticator->reload();
+  EXPECT_TRUE(authenticator->reload());
   EXPECT_EQ(ask(channel, {"Bearer secret"}), "TOKEN_UNKNOWN");
   EXPECT_EQ(ask(channel, {"Bearer new-secret"}), "robot");
 }

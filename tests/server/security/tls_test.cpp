@@ -94,7 +94,7 @@ TEST_F(TlsTest, NewConnectionsGetWhatIsValidThen) {
   const tests::TestCertificate fresh = authority_.issue();
   write(fresh);
   EXPECT_EQ(greet_by_tls(server.port(), TLS1_3_VERSION).certificate, own_.certificate);
-  tls->reload();
+  EXPECT_TRUE(tls->reload());
   EXPECT_EQ(greet_by_tls(server.port(), TLS1_3_VERSION).certificate, fresh.certificate);
 }
 
@@ -103,10 +103,10 @@ TEST_F(TlsTest, FilesThatDoNotFitChangeNothing) {
   const auto expires = tls->expires();
   const auto late = authority_.issue({.valid_for = std::chrono::hours(48)});
   dir_.write("own.pem", late.certificate);
-  tls->reload();
+  EXPECT_FALSE(tls->reload());
   EXPECT_EQ(tls->expires(), expires);
   dir_.write("own.key", late.key);
-  tls->reload();
+  EXPECT_TRUE(tls->reload());
   EXPECT_GT(tls->expires(), expires + std::chrono::hours(24));
 }
 

@@ -59,7 +59,7 @@ class ProducerSessionTest : public testing::Test {
   const std::shared_ptr<scenes::StoredScene> scene_ = std::make_shared<scenes::StoredScene>(
       scenes::SceneInfo{.name = "projects/p/scenes/s"}, memory_);
   exec::Compute compute_{1};
-  scenes::Producer producer_;
+  scenes::Producer producer_{"robot", memory_, {}};
   int call_ = 0;
   std::uint64_t sequence_ = 0;
   std::deque<UpdateBatch> batches_;

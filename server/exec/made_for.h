@@ -1,0 +1,16 @@
+// For whom a call within the process is made.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace sightline::server::exec {
+
+/// By this metadata a call of the process to itself names the peer that it is made for: a call of
+/// the live page is one of the page's address. It counts with a secret of the process alone.
+inline constexpr const char* kMadeFor = "x-made-for";
+
+/// Its value. `peer`: in the form of caller_of().
+std::string made_for(std::string_view peer);
+
+}  // namespace sightline::server::exec
