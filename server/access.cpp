@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <string>
 #include <utility>
 
 #include "server/exec/rpc_status.h"
@@ -41,13 +42,23 @@ Result<Access> Access::make(const ServerConfig& config) {
   return access;
 }
 
-void Access::reload() const {
-  const Status reloaded = exec::to_status([this] {
-    if (tls != nullptr) tls->reload();
-    authenticator->reload();
+void Access::reload(bool asked) const {
+  const Status reloaded = exec::to_status([this, asked] {
+    const Status certificates = tls != nullptr ? tls->reload() : Status();
+    const Status tokens = authenticator->reload();
+    if (asked) {
+      const auto outcome = [](bool is_used, const Status& read) {
+        if (!is_used) return std::string("none");
+        return read ? "read" : "kept error=" + exec::quote(read.error().message);
+      };
+      spdlog::info("event=reloaded certificates={} tokens={}",
+                   outcome(tls != nullptr, certificates),
+                   outcome(authenticator->has_tokens(), tokens));
+    }
     return Status();
   });
-  if (!reloaded) spdlog::error("event=not_reloaded error={}", reloaded.error().message);
+  if (!reloaded)
+    spdlog::error("event=not_reloaded error={}", exec::quote(reloaded.error().message));
 }
 
 }  // namespace sightline::server

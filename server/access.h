@@ -24,8 +24,9 @@ struct Access {
 
   /// Reads the files. Errors: kFailedPrecondition, kInvalidArgument, each naming the file.
   static Result<Access> make(const ServerConfig& config);
-  /// Reads the files again. What cannot be used is logged, and changes nothing.
-  void reload() const;
+  /// Reads the files again. What cannot be used is logged, and changes nothing. `asked`: a line of
+  /// the log says in any case how it ended.
+  void reload(bool asked) const;
 };
 
 }  // namespace sightline::server

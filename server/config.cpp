@@ -250,7 +250,7 @@ namespace {
 void add_everything(CLI::App& app, CommandLine& line, Requests& requests) {
   app.description("Answers ray queries against scenes over gRPC");
   app.name("sightlined");
-  app.footer("sightlined doctor DIR [--repair] examines a data directory.");
+  app.footer("sightlined doctor DIR [--repair] [--accept-loss] examines a data directory.");
   add_flags(app, line);
   add_requests(app, line, requests);
 }

@@ -15,6 +15,7 @@
 
 #include "server/exec/call_context.h"
 #include "server/exec/malformed.h"
+#include "server/net/guarded_sockets.h"
 
 namespace sightline::server {
 namespace {
@@ -98,6 +99,12 @@ void Endpoint::accept(net::ListeningSockets listening) {
       net::Acceptor::Events{
           .accepted =
               [this](int listener, net::Descriptor connection) {
+                if (!net::guard_socket(connection.number(),
+                                       {.max_streams = ServerConfig::kMaxCallsPerConnection,
+                                        .tls = access_.tls != nullptr,
+                                        .ended = ended_connections_}))
+                  return;
+                const net::TlsOf made(connection.number());
                 grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
                 parameters.listener_fd = listener;
                 parameters.fd = connection.release();

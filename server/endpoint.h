@@ -18,6 +18,7 @@
 #include "server/exec/refusal_pace.h"
 #include "server/guarded_rpcs.h"
 #include "server/net/acceptor.h"
+#include "server/net/ended_connections.h"
 #include "server/net/listening_sockets.h"
 #include "server/state.h"
 
@@ -35,6 +36,8 @@ class Endpoint {
   std::uint16_t port() const { return port_; }  ///< The bound port; 0 for a Unix socket.
   /// Errors: kUnavailable, after the listening sockets have failed.
   Status accepts() const;
+
+  const net::EndedConnections& ended_connections() const { return *ended_connections_; }
 
   /// Calls of this process; after serve().
   std::shared_ptr<grpc::Channel> in_process();
@@ -55,6 +58,8 @@ class Endpoint {
   State& state_;
   const Access& access_;
   const std::size_t max_connections_ = net::connection_limit();
+  const std::shared_ptr<net::EndedConnections> ended_connections_ =
+      std::make_shared<net::EndedConnections>();
   const Guard guard_{*access_.authenticator};
   exec::OpenRpcs open_rpcs_;
   exec::RefusalPace refusal_pace_{ServerConfig::kMaxCallsPerConnection};

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 
+#include "proto/printable.h"
+
 namespace sightline::server {
 
 void LogTail::add(std::string_view line) {
   line = line.substr(0, line.find_last_not_of("\r\n") + 1);
-  std::string kept(line.substr(0, kMaxLine));
-  std::ranges::replace_if(
-      kept, [](char c) { return c < 0x20 || c > 0x7e; }, '?');
+  std::string kept = printable(line.substr(0, kMaxLine));
   const std::lock_guard lock(mutex_);
   ++last_;
   lines_.push_back(std::move(kept));

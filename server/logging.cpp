@@ -8,7 +8,9 @@
 #include <spdlog/spdlog.h>
 
 #include <memory>
+#include <string>
 
+#include "proto/printable.h"
 #include "server/log_tail.h"
 
 namespace sightline::server {
@@ -29,9 +31,12 @@ class Sink final : public spdlog::sinks::stderr_sink_st {
       spdlog::sinks::stderr_sink_st::log(
           {message.time, {}, message.logger_name, spdlog::level::warn, text});
     }
-    spdlog::sinks::stderr_sink_st::log(message);
+    const std::string text = one_line({message.payload.data(), message.payload.size()});
+    spdlog::details::log_msg shown = message;
+    shown.payload = text;
+    spdlog::sinks::stderr_sink_st::log(shown);
     spdlog::memory_buf_t line;
-    formatter_->format(message, line);
+    formatter_->format(shown, line);
     log_tail().add({line.data(), line.size()});
   }
 

@@ -3,6 +3,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <atomic>
 #include <chrono>
 #include <mutex>
 #include <optional>
@@ -14,6 +15,7 @@
 #include "server/admin_port.h"
 #include "server/durable/open_store.h"
 #include "server/endpoint.h"
+#include "server/exec/rpc_status.h"
 #include "server/exec/ticker.h"
 #include "server/shards/peers.h"
 #include "server/state.h"
@@ -68,15 +70,19 @@ struct Server::Parts {
                                    .reclaimer = state.reclaimer,
                                    .store = state.store.get(),
                                    .follower = state.follower,
+                                   .ended = endpoint.ended_connections(),
                                    .tls = access.tls.get(),
                                    .per_scene = state.config.metrics_per_scene};
   AdminPort admin{state.config, state.metrics, state_metrics};
   exec::Ticker limits{kEnforceEvery, [this] { state.enforce_limits(); }};
-  exec::Ticker reload{kReloadEvery, [this] { access.reload(); }};
+  std::atomic<bool> asked_to_reload{false};
+  exec::Ticker reload{kReloadEvery, [this] { access.reload(asked_to_reload.exchange(false)); }};
   std::optional<exec::Ticker> health;  // where other servers use the store, too
+  std::optional<exec::Ticker> pings;   // of the peers, if there are some
   std::once_flag drained;
 
   Status answer_probes();
+  void ping_peers();
   void log_start(const net::ListenAddress& address) const;
 };
 
@@ -90,6 +96,17 @@ Status Server::Parts::answer_probes() {
     health.emplace(kEnforceEvery, [this] { endpoint.set_serving(state.follower->serves().ok()); });
   }
   return admin.open(endpoint.in_process());
+}
+
+void Server::Parts::ping_peers() {
+  if (state.shard_peers.empty()) return;
+  pings.emplace(shards::kPingEvery, [this] {
+    const Status pinged = exec::to_status([this] {
+      state.shard_peers.ping();
+      return Status();
+    });
+    if (!pinged) spdlog::error("event=peers_not_pinged error={}", pinged.error().message);
+  });
 }
 
 void Server::Parts::log_start(const net::ListenAddress& address) const {
@@ -138,6 +155,7 @@ Result<std::unique_ptr<Server>> Server::start(const ServerConfig& config) {
   if (const Status served = parts->endpoint.serve(*address); !served) return served.error();
   std::unique_ptr<Server> server(new Server(std::move(parts)));
   if (const Status answers = server->parts_->answer_probes(); !answers) return answers.error();
+  server->parts_->ping_peers();
   if (const Status written = write_port_file(config.port_file, server->port()); !written)
     return written.error();
   server->parts_->log_start(*address);
@@ -151,6 +169,11 @@ Server::~Server() { drain(); }
 int Server::port() const { return parts_->endpoint.port(); }
 
 int Server::admin_port() const { return parts_->admin.port(); }
+
+void Server::reload() {
+  parts_->asked_to_reload.store(true);
+  parts_->reload.run_now();
+}
 
 void Server::drain() {
   std::call_once(parts_->drained, [this] {

@@ -26,6 +26,10 @@ class Server {
   int port() const;        ///< The bound port; 0 for a Unix socket.
   int admin_port() const;  ///< The bound port of ServerConfig::admin; 0 if there is none.
 
+  /// Reads certificates and tokens again, at once, on a thread of its own; a line of the log says
+  /// how it ended.
+  void reload();
+
   /// Is not ready from now on (/readyz, the health service), but serves for config.not_ready. Then
   /// refuses new calls, waits up to config.drain for open calls and then cancels them. Returns when
   /// all calls have ended. A second call does nothing. The admin port answers until the end.

@@ -74,7 +74,8 @@ State::State(const ServerConfig& c, std::unique_ptr<store::Store> disk, shards::
                        store->shared() ? std::make_shared<scenes::Replica>(c.max_staleness)
                                        : nullptr)),
       scenes(memory, keeper.get()),
-      reclaimer(memory, scenes, blobs),
+      pins(c.memory_budget),
+      reclaimer(memory, scenes, blobs, pins),
       eviction(reclaimer, *memory.trees()),
       compute(c.threads) {
   memory.set_reclaim([this](std::uint64_t bytes) { reclaimer.reclaim(bytes); });

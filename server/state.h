@@ -20,6 +20,7 @@
 #include "server/metrics/metrics.h"
 #include "server/scenes/eviction_thread.h"
 #include "server/scenes/reclaim.h"
+#include "server/scenes/revision_pins.h"
 #include "server/scenes/scene_store.h"
 #include "server/scenes/services.h"
 #include "server/shards/peers.h"
@@ -47,6 +48,7 @@ struct State {
   blobs::BlobStore blobs;
   const std::unique_ptr<durable::StoreKeeper> keeper;  // null without a store
   scenes::SceneStore scenes;
+  scenes::RevisionPins pins;
   std::optional<durable::Sweeper> sweeper;  // with a store
   scenes::Reclaimer reclaimer;
   exec::HeapTrimmer trimmer;  // used by enforce_limits()
@@ -72,6 +74,7 @@ struct State {
                                   .unread = unread,
                                   .quotas = quotas,
                                   .metrics = metrics.queries,
+                                  .pins = pins,
                                   .waiting_reads = waiting_reads,
                                   .cast_streams = cast_streams,
                                   .prefetches = prefetches,

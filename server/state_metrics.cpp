@@ -50,6 +50,14 @@ void add_queues(Samples& samples, const exec::Admission& admission,
                     number(unread.bytes()));
 }
 
+void add_ended(Samples& samples, const net::EndedConnections& ended) {
+  for (const net::Abuse abuse : net::kAbuses) {
+    samples.add_counter("connections_ended_total",
+                        "Connections that were ended for what their clients sent.",
+                        number(ended.count(abuse)), {{"reason", net::abuse_name(abuse)}});
+  }
+}
+
 void add_quotas(Samples& samples, const std::vector<exec::Quotas::Tally>& tallies) {
   const auto labels = [](const exec::Quotas::Tally& tally) {
     return prometheus::Labels{{"principal", tally.principal},
@@ -138,6 +146,7 @@ void add_scenes(Samples& samples, const SceneList& scenes) {
 void StateMetrics::add_to(Samples& samples) const {
   add_memory(samples, memory);
   add_queues(samples, admission, unread);
+  add_ended(samples, ended);
   add_quotas(samples, quotas.tallies());
   samples.add_counter("tree_evictions_total", "Scenes and meshes whose trees were dropped.",
                       number(reclaimer.evictions()));

@@ -9,6 +9,7 @@
 #include "server/exec/quotas.h"
 #include "server/exec/unread_replies.h"
 #include "server/metrics/samples.h"
+#include "server/net/ended_connections.h"
 #include "server/scenes/reclaim.h"
 #include "server/scenes/scene_store.h"
 #include "server/security/tls.h"
@@ -27,6 +28,7 @@ struct StateMetrics {
   const store::Store* store = nullptr;  ///< Null: scenes are in memory only.
   /// Nothing: no other server uses the store.
   const std::optional<durable::StoreFollower>& follower;
+  const net::EndedConnections& ended;
   const security::Tls* tls = nullptr;  ///< Null: no TLS.
   bool per_scene = false;  ///< Also values with a label for the scene. Walks what is built.
 

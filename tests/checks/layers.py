@@ -10,6 +10,7 @@ from sources import PRODUCT, cpp_files, includes, read
 ROOMS = """
 proto/rays
 proto/result
+proto/printable
 
 accel/geometry
 accel/kdtree                accel/geometry
@@ -35,12 +36,12 @@ scenegraph/query            scenegraph/model scenegraph/instances scenegraph/rev
 scenegraph/trace            scenegraph/* proto/result accel/geometry accel/kdtree
 scenegraph/scene            scenegraph/* proto/result accel/geometry
 
-server/exec                 proto/result accel/kdtree
+server/exec                 proto/result proto/printable accel/kdtree
 server/net/descriptor
 server/net                  server/net/descriptor server/exec proto/result
 server/settings             server/exec proto/result
 server/metrics              server/exec scenegraph/trace_options proto/result
-server/admin                server/exec server/net server/net/descriptor proto/result
+server/admin                server/exec server/net server/net/descriptor proto/result proto/printable
 server/security             server/exec proto/result
 server/blobs/digest         server/exec proto/result
 server/store                server/exec server/net/descriptor server/blobs/digest proto/result
@@ -51,12 +52,12 @@ server/codec                server/exec server/blobs server/blobs/digest scenegr
 server/scenes               server/exec server/metrics server/store server/blobs server/blobs/digest server/codec
                             scenegraph/scene scenegraph/trace_options scenegraph/model scenegraph/instances
                             scenegraph/revision proto/result accel/kdtree
-server/shards               server/exec server/net scenegraph/query scenegraph/revision scenegraph/trace_options proto/result accel/geometry
+server/shards               server/exec server/net scenegraph/query scenegraph/revision scenegraph/trace_options proto/result proto/printable accel/geometry
 server/queries              server/exec server/metrics server/scenes server/shards scenegraph/* proto/result accel/geometry proto/rays
 server/updates              server/exec server/store server/blobs server/blobs/digest server/codec server/scenes scenegraph/* proto/result
 server/durable              server/exec server/store server/store/postgres server/blobs server/blobs/digest server/codec server/scenes
                             server/updates scenegraph/* proto/result
-server                      server/* scenegraph/* proto/result accel/split
+server                      server/* scenegraph/* proto/result proto/printable accel/split
 
 client/*.h                  proto/rays proto/result
 client/importer/sandbox     client/*.h
@@ -65,7 +66,7 @@ client/importer/formats     client/*.h client/importer/*.h
 client/importer/gltf        client/*.h client/importer/*.h
 client/importer             client/*.h client/importer/*.h client/importer/sandbox client/importer/formats client/importer/gltf
 client/wire                 client/*.h proto/rays
-client/calls                client/*.h client/wire client/importer/*.h proto/rays
+client/calls                client/*.h client/wire client/importer/*.h proto/rays proto/printable
 client/*.cpp                proto/rays client/*.h client/wire client/calls client/importer/*.h
 client/cli                  client/*.h
 client/cli/files            client/*.h client/cli

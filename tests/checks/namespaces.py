@@ -93,7 +93,7 @@ def named(namespace):
 GLOBAL = ("main", "new", "delete")
 
 # Result and Error belong to all folders.
-SHARED = {"proto/result.h": "sightline"}
+SHARED = {"proto/printable.h": "sightline", "proto/result.h": "sightline"}
 
 
 def may_define(file, namespace):

@@ -120,6 +120,11 @@ class FaultTest(unittest.TestCase):
         for options in ({"tls_cert": "a"}, {"tls_cert": "a", "tls_key": "b"}, {"token": "not visible"}):
             with self.subTest(options), self.assertRaises(ValueError):
                 sightline.connect("127.0.0.1:1", **options)
+        with tempfile.NamedTemporaryFile() as file:
+            for token in (b"a b", b"a\nb", "\u00e4".encode(), "\u00e4".encode("latin-1"), b"a\0"):
+                pathlib.Path(file.name).write_bytes(token)
+                with self.subTest(token), self.assertRaisesRegex(ValueError, "visible ASCII"):
+                    sightline.connect("127.0.0.1:1", token_file=file.name)
         for endpoint in ("host", ":1", "host:x", "unix:", "host:99999", "host:1,", "host:1,other"):
             with self.subTest(endpoint), self.assertRaises(ValueError):
                 sightline.connect(endpoint)

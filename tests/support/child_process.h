@@ -40,6 +40,8 @@ class ChildProcess {
   /// Its output so far.
   std::string output();
   std::uint64_t resident_bytes() const;
+  /// The most that was resident at any time.
+  std::uint64_t peak_resident_bytes() const;
   /// Files and sockets that it has open.
   std::uint64_t open_files() const;
 
