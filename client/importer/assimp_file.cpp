@@ -146,33 +146,23 @@ void use(const IfcContents& contents, FileScene& scene) {
       if (mesh < scene.meshes.size()) scene.meshes[mesh].is_solid = true;
     }
   }
-  if (contents.loose_ends > 0) {
-    scene.warnings.push_back(
-        {.kind = "loose_ends",
-         .count = contents.loose_ends,
-         .first = fmt::format("#{}", contents.first_loose),
-         .message = fmt::format("{} numbers of statements are there twice, or are named and are "
-                                "not there; the least is #{}",
-                                contents.loose_ends, contents.first_loose)});
-  }
-  if (contents.merged_corners > 0) {
-    scene.warnings.push_back(
-        {.kind = "corners_merged",
-         .count = contents.merged_corners,
-         .first = fmt::format("#{}", contents.first_merged),
-         .message = fmt::format("{} corners of its faces are so near to others, for the size of "
-                                "their shell, that Assimp takes them for one; the first shell is "
-                                "#{}",
-                                contents.merged_corners, contents.first_merged)});
-  }
-  if (contents.lost_faces == 0) return;
-  scene.warnings.push_back(
-      {.kind = "faces_left_out",
-       .count = contents.lost_faces,
-       .first = fmt::format("#{}", contents.first_lost),
-       .message = fmt::format("{} of its faces are too small for Assimp, which leaves them out, or "
-                              "have such a hole, which it fills; the first is #{}",
-                              contents.lost_faces, contents.first_lost)});
+  const auto warn = [&](const char* kind, std::uint64_t count, std::uint64_t first,
+                        const char* what) {
+    if (count == 0) return;
+    scene.warnings.push_back({.kind = kind,
+                              .count = count,
+                              .first = fmt::format("#{}", first),
+                              .message = fmt::format("{} {} #{}", count, what, first)});
+  };
+  warn("loose_ends", contents.loose_ends, contents.first_loose,
+       "numbers of statements are there twice, or are named and are not there; the least is");
+  warn("corners_merged", contents.merged_corners, contents.first_merged,
+       "corners of its faces are so near to others, for the size of their shell, that Assimp takes "
+       "them for one; the first shell is");
+  warn(
+      "faces_left_out", contents.lost_faces, contents.first_lost,
+      "of its faces are too small for Assimp, which leaves them out, or have such a hole, which it "
+      "fills; the first is");
 }
 
 }  // namespace
