@@ -178,7 +178,7 @@ void WebSocket::deliver(std::uint32_t call, std::string message) {
   want_more();
 }
 
-/// Of the calls and of the page, as far as they are not behind.
+/// Reads from the calls and from the page, as far as they are not behind.
 void WebSocket::want_more() {
   if (ended_) return;
   if (unsent_bytes_ <= Tunnel::kMaxUnsent) {

@@ -63,7 +63,7 @@ class BlobStore {
 
   /// Whether load() finds the mesh. If so, it is neither dropped nor swept soon.
   bool has(const BlobDigest& digest) const;
-  /// The same of each, asked at once.
+  /// Whether each is stored; they are asked for at once.
   std::vector<bool> has(std::span<const BlobDigest> digests) const;
   /// The mesh; from disk if it is not in memory, and then read once to check it, and not resident.
   /// Errors: kNotFound, kResourceExhausted (the memory budget), kDataLoss (its file is corrupt).

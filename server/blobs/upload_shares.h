@@ -60,7 +60,7 @@ class UploadShares {
  private:
   Status add_bytes(const exec::Caller& caller, std::uint64_t bytes);
   void remove_bytes(const exec::Caller& caller, std::uint64_t bytes);
-  /// Of an upload that held these bytes.
+  /// Gives back the slot of an upload that held these bytes.
   void remove(const exec::Caller& caller, std::uint64_t bytes);
 
   exec::MemoryAccount& memory_;

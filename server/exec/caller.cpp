@@ -16,7 +16,7 @@
 namespace sightline::server::exec {
 namespace {
 
-/// Of this process, which no caller outside can know.
+/// A secret of this process, which no caller outside can know.
 const std::string& secret() {
   static const std::string kMade = [] {
     std::random_device random;

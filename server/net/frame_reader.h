@@ -54,7 +54,7 @@ class FrameReader {
     for (std::size_t i = 0; i < bytes; ++i) value = value << 8 | at[i];
     return value;
   }
-  /// Of a whole head, with the error code where there is one.
+  /// Decodes a whole head, with the error code where there is one.
   static FrameHead decode(const std::uint8_t* at, std::size_t size) {
     return {.size = number(at, 3),
             .type = at[3],

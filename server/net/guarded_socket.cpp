@@ -20,7 +20,7 @@ namespace {
 constexpr std::array<std::uint8_t, 17> kPing{0, 0, 8, FrameHead::kPing};
 constexpr std::size_t kPings = 8 * kPing.size();
 
-/// Of a connection that ends and whose client does not read.
+/// How long a connection that ends may wait for a client that does not read.
 constexpr unsigned kEndMilliseconds = 2'000;
 
 /// A few milliseconds late, and much cheaper than the clock's own now().

@@ -49,7 +49,7 @@ class Peer {
   /// To be called every kPingEvery. A peer that is lost is so from here on, and its open calls are
   /// cancelled.
   void ping();
-  /// Pings without an answer since it was heard last, of which the last one is young.
+  /// Pings without an answer since the last answer. The newest of them may still be answered.
   std::uint32_t unanswered() const;
   bool is_lost() const;
 

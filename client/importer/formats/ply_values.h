@@ -31,7 +31,7 @@ class PlyValues {
   /// What follows the last element. Errors: kInvalidArgument: text with lines that have more
   /// values than their elements have properties.
   Result<std::uint64_t> surplus_bytes();
-  /// Of a text, the first line on which another element begins after one; 0: there is none. Text
+  /// The first line of a text on which an element begins after another; 0: there is none. Text
   /// may be broken anywhere, or a value may be missing or too many.
   std::uint64_t long_line() const { return long_line_; }
 

@@ -185,7 +185,7 @@ class AnimationReader {
   const Meshes& meshes_;
   const Nodes& nodes_;
   std::vector<Warning>& warnings_;
-  // Of the animation that is read:
+  // Both belong to the animation that is read.
   std::set<std::pair<std::uint64_t, std::string>> targets_;
   std::unordered_map<std::uint32_t, std::size_t> channel_of_node_;  // in its list of channels
 };

@@ -16,7 +16,7 @@
 
 namespace sightline::client::importer::sandbox {
 
-/// Of a child.
+/// What a child may use.
 struct Limits {
   Allowance memory{.fixed = std::uint64_t{1} << 30, .per_byte = 64};  ///< bytes
   Allowance time_us{.fixed = 20'000'000, .per_byte = 4};              ///< of processor time
