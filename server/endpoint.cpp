@@ -6,6 +6,7 @@
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/resource_quota.h>
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
@@ -20,8 +21,9 @@
 namespace sightline::server {
 namespace {
 
-constexpr std::size_t kGrpcMemory =
-    std::size_t{256} << 20;  // a message over the limit is buffered before it is refused
+/// gRPC buffers a message until it has arrived in full, even if it is over the limit. With less it
+/// would give up calls of few clients.
+constexpr std::uint64_t kLeastForTransport = std::uint64_t{16} << 20;
 
 /// Between the end of the last call and the end of the connections, which clients may use to close
 /// them themselves.
@@ -37,7 +39,9 @@ void configure(grpc::ServerBuilder& builder, const ServerConfig& config) {
                                static_cast<int>(grace.count()));
   }
   builder.SetMaxReceiveMessageSize(ServerConfig::kMaxMessageBytes);
-  builder.SetResourceQuota(grpc::ResourceQuota("sightline").Resize(kGrpcMemory));
+  const std::uint64_t quota =
+      std::max(exec::MemoryParts::of(config.memory_budget).transport, kLeastForTransport);
+  builder.SetResourceQuota(grpc::ResourceQuota("sightline").Resize(quota));
   // gRPC 1.51 compares a message with its limit only after it was decompressed.
   builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
   builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);

@@ -50,7 +50,7 @@ std::uint32_t milliseconds(Duration time) {
 
 void describe_memory(const ServerConfig& config, v1::GetServerInfoResponse& info) {
   info.set_memory_budget_bytes(config.memory_budget);
-  info.set_memory_for_calls_bytes(config.memory_budget / exec::kForCallsShare);
+  info.set_memory_for_calls_bytes(exec::MemoryParts::of(config.memory_budget).calls);
   const auto bytes = exec::ShareLimits::of(config.admission.bytes);
   info.set_max_bytes_per_connection(bytes.connection);
   info.set_max_bytes_per_principal(bytes.principal);

@@ -3,6 +3,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "server/blobs/blob_rpc.h"
@@ -16,17 +17,30 @@
 
 namespace sightline::server {
 
+namespace {
+
+/// Requests in work, those of small casts and replies that are not read fit into the calls' part of
+/// the budget, so that none is refused because of what others hold.
+ServerConfig with_calls_in_budget(ServerConfig config) {
+  const std::uint64_t for_calls = exec::MemoryParts::of(config.memory_budget).calls;
+  config.admission.bytes = std::min(config.admission.bytes, for_calls / 2);
+  return config;
+}
+
+}  // namespace
+
 State::State(const ServerConfig& c, std::unique_ptr<store::Store> disk, shards::Peers peers)
-    : config(c),
+    : config(with_calls_in_budget(c)),
       shard_peers(std::move(peers)),
-      memory(c.memory_budget, c.memory_budget / exec::kForCallsShare),
-      admission(c.admission, &memory),
-      all_hits_admission(
-          {c.admission.rays / exec::kAllHitsShare, c.admission.bytes / exec::kAllHitsShare}),
-      small_admission({c.admission.rays / exec::kSmallShare, c.admission.bytes / exec::kSmallShare},
-                      &memory),
-      batch_admission({c.admission.rays, c.admission.bytes / exec::kBatchShare}),
-      unread(c.admission.bytes / exec::kUnreadShare, &memory),
+      memory(c.memory_budget, exec::MemoryParts::of(c.memory_budget)),
+      admission(config.admission, &memory),
+      all_hits_admission({config.admission.rays / exec::kAllHitsShare,
+                          config.admission.bytes / exec::kAllHitsShare}),
+      small_admission(
+          {config.admission.rays / exec::kSmallShare, config.admission.bytes / exec::kSmallShare},
+          &memory),
+      batch_admission({config.admission.rays, config.admission.bytes / exec::kBatchShare}),
+      unread(config.admission.bytes / exec::kUnreadShare, &memory),
       quotas(c.quotas),
       waiting_reads({.limit = scenes::kMaxWaitingReads,
                      .when_full = "{} reads that wait for a revision are open on the server",
@@ -78,7 +92,8 @@ State::State(const ServerConfig& c, std::unique_ptr<store::Store> disk, shards::
       reclaimer(memory, scenes, blobs, pins),
       eviction(reclaimer, *memory.trees()),
       compute(c.threads) {
-  memory.set_reclaim([this](std::uint64_t bytes) { reclaimer.reclaim(bytes); });
+  memory.set_reclaim(
+      [this](std::uint64_t bytes, bool for_large) { reclaimer.reclaim(bytes, for_large); });
   if (store != nullptr) sweeper.emplace(durable::StoreParts{*store, blobs, compute});
 }
 
@@ -109,7 +124,9 @@ void State::enforce_limits() {
     blobs.drop_unused_meshes();
     scenes::free_dropped_trees();
     reclaimer.measure();
-    if (memory.used() > memory.limit(exec::Held::kTrees)) reclaimer.reclaim(0);
+    for (const bool for_large : {true, false}) {
+      if (memory.used() > memory.limit(exec::Held::kTrees)) reclaimer.reclaim(0, for_large);
+    }
     trimmer.observe(memory.used(), exec::resident_bytes());
     return {};
   });

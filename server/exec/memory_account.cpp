@@ -63,8 +63,9 @@ void MemoryAccount::release_gone() {
   });
 }
 
-Result<MemoryAccount::Charge> MemoryAccount::reclaim_and_charge(Held kind, std::uint64_t bytes) {
-  if (const Status fits = reclaim(kind, bytes); !fits) return fits.error();
+Result<MemoryAccount::Charge> MemoryAccount::reclaim_and_charge(Held kind, std::uint64_t bytes,
+                                                                std::uint64_t held) {
+  if (const Status fits = reclaim(kind, bytes, held); !fits) return fits.error();
   return charge(kind, bytes);
 }
 
@@ -76,12 +77,14 @@ Result<MemoryAccount::Charge> MemoryAccount::reclaim_and_charge_in_batch(Held ki
   return over(kind, bytes);
 }
 
-Status MemoryAccount::reclaim(Held kind, std::uint64_t bytes) {
-  if (fits(kind, bytes)) return {};
+Status MemoryAccount::reclaim(Held kind, std::uint64_t bytes, std::uint64_t held) {
+  const bool large = is_large(held + bytes);
+  const std::uint64_t room = bytes + (large ? parts_.small : 0);
+  if (fits(kind, room)) return {};
   // Nothing is dropped for what can never fit.
-  if (reclaim_ && bytes <= limit(kind)) reclaim_(bytes);
-  if (fits(kind, bytes)) return {};
-  return over(kind, bytes);
+  if (reclaim_ && room <= limit(kind)) reclaim_(room, large);
+  if (fits(kind, room)) return {};
+  return over(kind, room);
 }
 
 std::uint64_t MemoryAccount::used() const {
@@ -108,7 +111,7 @@ std::vector<HeldBytes> MemoryAccount::tree_uses() const {
 
 bool MemoryAccount::fits(Held kind, std::uint64_t bytes) const {
   // The part of the calls is theirs whatever others hold: trees grow before they are measured.
-  if (kind == Held::kCalls && used(kind) + bytes <= for_calls_) return true;
+  if (kind == Held::kCalls && used(kind) + bytes <= parts_.calls) return true;
   const std::uint64_t now = used(), most = limit(kind);
   return now <= most && bytes <= most - now;
 }

@@ -1,6 +1,7 @@
 // The account of all bytes that the server holds, against its memory budget.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstddef>
@@ -30,8 +31,21 @@ enum class Held : std::uint8_t {
 };
 inline constexpr std::size_t kHeldKinds = 8;
 
-/// Calls have 1 / kForCallsShare of the budget for themselves.
-inline constexpr std::uint64_t kForCallsShare = 8;
+/// The parts of a budget that are kept free of what all others hold.
+struct MemoryParts {
+  std::uint64_t calls = 0;      ///< Only kCalls may use them.
+  std::uint64_t transport = 0;  ///< gRPC's, for messages that have not arrived in full.
+  std::uint64_t small = 0;      ///< What is large does not use them: see MemoryAccount::is_large().
+
+  /// A quarter for calls; an eighth, at most 256 MiB, for the transport; a sixteenth for what is
+  /// small.
+  static constexpr MemoryParts of(std::uint64_t budget) {
+    return {budget / 4, std::min(budget / 8, std::uint64_t{256} << 20), budget / 16};
+  }
+};
+
+/// What holds more than 1 / kLargeShare of the budget is large.
+inline constexpr std::uint64_t kLargeShare = 64;
 
 /// The reason of the error when the budget is used up.
 inline constexpr const char* kMemoryBudget = "MEMORY_BUDGET";
@@ -71,13 +85,13 @@ class MemoryAccount {
     std::uint64_t bytes_ = 0;
   };
 
-  /// Drops what can be made again until `bytes` more fit, or nothing is left to drop.
-  using Reclaim = std::function<void(std::uint64_t bytes)>;
+  /// Drops what can be made again until `bytes` more fit, or nothing is left to drop. For what is
+  /// large, small scenes that are in use stay.
+  using Reclaim = std::function<void(std::uint64_t bytes, bool for_large)>;
 
-  /// `for_calls`: bytes of the budget that only kCalls may use.
-  explicit MemoryAccount(std::uint64_t budget, std::uint64_t for_calls = 0)
+  explicit MemoryAccount(std::uint64_t budget, MemoryParts parts = {})
       : budget_(budget),
-        for_calls_(for_calls),
+        parts_(parts),
         trees_(std::make_shared<accel::kdtree::TreeMemory>(limit(Held::kTrees))) {}
 
   /// Call it before the first charge.
@@ -89,12 +103,13 @@ class MemoryAccount {
   Charge record(Held kind, std::uint64_t bytes);
   /// As charge(), but drops what can be made again where the bytes do not fit. May take long. The
   /// caller holds no lock.
-  Result<Charge> reclaim_and_charge(Held kind, std::uint64_t bytes);
+  Result<Charge> reclaim_and_charge(Held kind, std::uint64_t bytes, std::uint64_t held = 0);
   /// The same for a batch of rays, which keeps what is retired from being freed until it goes on:
   /// that does not count.
   Result<Charge> reclaim_and_charge_in_batch(Held kind, std::uint64_t bytes);
-  /// Drops what can be made again until `bytes` more fit. Errors: as charge().
-  Status reclaim(Held kind, std::uint64_t bytes);
+  /// Drops what can be made again until `bytes` more fit, for one who has `held`. One that is large
+  /// then leaves MemoryParts::small free. Errors: as charge().
+  Status reclaim(Held kind, std::uint64_t bytes, std::uint64_t held = 0);
   /// What the trees of meshes count their bytes in. Its limit is what all else leaves.
   const std::shared_ptr<accel::kdtree::TreeMemory>& trees() const { return trees_; }
   /// Keeps the charge until none of these lives any more: what is charged has lost its owner, and
@@ -120,7 +135,11 @@ class MemoryAccount {
   std::uint64_t budget() const { return budget_; }
   /// The part of the budget that this kind may fill.
   std::uint64_t limit(Held kind) const {
-    return kind == Held::kCalls ? budget_ : budget_ - for_calls_;
+    return budget_ - parts_.transport - (kind == Held::kCalls ? 0 : parts_.calls);
+  }
+  /// Whether one that holds so much leaves the part of what is small free.
+  bool is_large(std::uint64_t bytes) const {
+    return parts_.small > 0 && bytes > budget_ / kLargeShare;
   }
 
  private:
@@ -129,7 +148,8 @@ class MemoryAccount {
   bool fits(Held kind, std::uint64_t bytes) const;
   Error over(Held kind, std::uint64_t bytes) const;
 
-  const std::uint64_t budget_, for_calls_;
+  const std::uint64_t budget_;
+  const MemoryParts parts_;
   const std::shared_ptr<accel::kdtree::TreeMemory> trees_;
   Reclaim reclaim_;
   // Charges race past the limit by at most what they add at that moment.

@@ -16,6 +16,7 @@
 #include <chrono>
 #include <cstdint>
 #include <exception>
+#include <iterator>
 #include <span>
 #include <string>
 #include <system_error>
@@ -30,6 +31,12 @@ namespace {
 constexpr std::size_t kOwnFiles = 80;
 constexpr std::size_t kFilesPerConnection = 2;
 constexpr std::size_t kMaxConnections = 10'000;
+
+/// Between looks at connections that wait.
+constexpr std::chrono::milliseconds kLook{10};
+
+/// Addresses whose pace is known, before those are forgotten that may connect at once again.
+constexpr std::size_t kMaxPaces = 1'000;
 
 /// After a refusal for which no descriptor was left either.
 constexpr std::chrono::milliseconds kPause{10};
@@ -95,7 +102,8 @@ void Acceptor::watch(int descriptor, unsigned events) {
 void Acceptor::run() {
   std::array<epoll_event, 64> ready{};
   for (;;) {
-    const int count = epoll_wait(epoll_.number(), ready.data(), ready.size(), -1);
+    const int count = epoll_wait(epoll_.number(), ready.data(), ready.size(),
+                                 waiting_.empty() ? -1 : static_cast<int>(kLook.count()));
     if (count < 0 && errno != EINTR)
       throw std::system_error(errno, std::generic_category(), "epoll_wait");
     const auto events = std::span(ready).first(static_cast<std::size_t>(std::max(count, 0)));
@@ -107,6 +115,7 @@ void Acceptor::run() {
     for (const epoll_event& event : events) {
       if (is_listener(event.data.fd)) accept_from(event.data.fd);
     }
+    hand_over_waiting();
   }
 }
 
@@ -119,6 +128,7 @@ bool Acceptor::is_listener(int descriptor) const {
 void Acceptor::drop(int connection) {
   epoll_ctl(epoll_.number(), EPOLL_CTL_DEL, connection, nullptr);
   connections_.remove(connection);
+  std::erase_if(waiting_, [&](const Waiting& one) { return one.number == connection; });
 }
 
 void Acceptor::accept_from(int listener) {
@@ -161,10 +171,34 @@ void Acceptor::take(int listener, Descriptor connection) try {
   Descriptor second(fcntl(connection.number(), F_DUPFD_CLOEXEC, 0));
   if (!second) return;
   watch(second.number(), 0);
+  waiting_.push_back({listener, second.number(), address, std::move(connection)});
   connections_.add(address, std::move(second));
-  events_.accepted(listener, std::move(connection));
 } catch (const std::exception& thrown) {
   spdlog::warn("event=connection_refused reason=\"{}\"", thrown.what());
+}
+
+void Acceptor::hand_over_waiting() try {
+  for (auto one = waiting_.begin(); one != waiting_.end();) {
+    if (!has_turn(one->address)) {
+      ++one;
+      continue;
+    }
+    events_.accepted(one->listener, std::move(one->connection));
+    one = waiting_.erase(one);
+  }
+} catch (const std::exception& thrown) {
+  spdlog::warn("event=connections_wait reason=\"{}\"", thrown.what());
+}
+
+bool Acceptor::has_turn(const std::string& address) {
+  const auto now = exec::TokenBucket::Clock::now();
+  if (paces_.size() > kMaxPaces)
+    for (auto pace = paces_.begin(); pace != paces_.end();)
+      pace = pace->second.full(now) ? paces_.erase(pace) : std::next(pace);
+  exec::TokenBucket& pace = paces_.try_emplace(address, kPerSecond, now).first->second;
+  const bool open = pace.open(now);
+  if (open) pace.take(1);
+  return open;
 }
 
 }  // namespace sightline::server::net

@@ -2,10 +2,15 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <list>
+#include <map>
+#include <string>
 #include <thread>
 #include <vector>
 
+#include "server/exec/token_bucket.h"
 #include "server/net/connections.h"
 #include "server/net/descriptor.h"
 
@@ -14,8 +19,14 @@ namespace sightline::server::net {
 /// gRPC 1.51 accepts nothing any more once accept() has failed for want of file descriptors
 /// (CVE-2023-4785), so connections are accepted here and handed over. A connection over the limit
 /// is closed at once. A second descriptor of every socket tells when the connection is gone.
+///
+/// Each connection costs a handshake, with TLS a millisecond. So connections of one address are
+/// handed over at a pace: those that come faster wait.
 class Acceptor {
  public:
+  /// Handed over of one address: a second, and at once.
+  static constexpr std::uint64_t kPerSecond = 500;
+
   struct Events {
     /// Takes a connection that does not block. Must not throw.
     std::function<void(int listener, Descriptor connection)> accepted;
@@ -41,11 +52,20 @@ class Acceptor {
   void accept_from(int listener);
   void refuse_from(int listener);
   void take(int listener, Descriptor connection);
+  void hand_over_waiting();
+  bool has_turn(const std::string& address);
   void watch(int descriptor, unsigned events);
 
   std::vector<Descriptor> listeners_;
   const Events events_;
   Connections connections_;
+  struct Waiting {
+    int listener, number;  // of the second descriptor
+    std::string address;
+    Descriptor connection;
+  };
+  std::list<Waiting> waiting_;                      // oldest first
+  std::map<std::string, exec::TokenBucket> paces_;  // of addresses that connected lately
   Descriptor epoll_, wake_;
   Descriptor reserve_;  // given up for a moment to refuse a connection when there are no more
   std::thread thread_;

@@ -58,8 +58,9 @@ std::uint64_t Reclaimer::evict_to_low_water() {
   return evict_pieces(0);
 }
 
-void Reclaimer::reclaim(std::uint64_t bytes) {
+void Reclaimer::reclaim(std::uint64_t bytes, bool for_large) {
   const std::lock_guard lock(mutex_);
+  if (for_large && StoredScene::Clock::now() < paused_until_) return;
   accel::kdtree::reclaim();
   measure_alone();
   if (fits(bytes)) return;  // another thread has made room
@@ -77,14 +78,22 @@ void Reclaimer::reclaim(std::uint64_t bytes) {
   drop_unused_meshes(bytes, blobs::Unused::kStale);
   each_scene([](StoredScene& scene) { scene.drop_old_updates(); });
   if (!fits(bytes)) evict_pieces(bytes);
-  each_scene([this](StoredScene& scene) { tree_dropped(scene.drop_trees()); });
+  const auto in_use_since = StoredScene::Clock::now() - kInUse;
+  const auto stays = [&](const StoredScene& scene) {
+    return for_large && scene.last_cast() > in_use_since &&
+           !memory_.is_large(bytes_of_scene(scene.snapshot()->node_count(), 0));
+  };
+  each_scene([&](StoredScene& scene) {
+    if (!stays(scene)) tree_dropped(scene.drop_trees());
+  });
   drop_unused_meshes(bytes, blobs::Unused::kAny);
-  while (!fits(bytes) && scenes_.unload_one()) drop_unused_meshes(bytes, blobs::Unused::kAny);
+  while (!fits(bytes) && scenes_.unload_one(stays)) drop_unused_meshes(bytes, blobs::Unused::kAny);
   while (!fits(bytes) && pins_.end_one()) measure_alone();
   while (!fits(bytes) && blobs_.drop_idle()) {
   }
   accel::kdtree::reclaim();
   measure_alone();
+  if (for_large && !fits(bytes)) paused_until_ = StoredScene::Clock::now() + kPause;
   if (memory_.used() >= before) return;
   // Freed blocks in the middle of the heap are otherwise kept.
   malloc_trim(0);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -21,6 +22,9 @@ void free_dropped_trees();
 /// Threads: any, for every member.
 class Reclaimer {
  public:
+  static constexpr std::chrono::seconds kInUse{60};
+  static constexpr std::chrono::milliseconds kPause{100};
+
   /// All arguments outlive this object.
   Reclaimer(exec::MemoryAccount& memory, SceneStore& scenes, blobs::BlobStore& blobs,
             RevisionPins& pins)
@@ -36,9 +40,10 @@ class Reclaimer {
   /// revisions; pieces of meshes' trees, the least valuable first (scenegraph/model/eviction.h);
   /// the trees of scenes, those first at which rays were cast longest ago; fresh meshes; scenes
   /// that no call uses and that can be read again, with their meshes; pins of old revisions that
-  /// rest (RevisionPins::end_one()); uploads without progress. May take long; a second thread waits
-  /// for the first.
-  void reclaim(std::uint64_t bytes);
+  /// rest (RevisionPins::end_one()); uploads without progress. `for_large`: small scenes at which
+  /// rays were cast within kInUse stay, with their trees, and nothing is tried for kPause after it
+  /// was in vain: it walks all scenes. May take long; a second thread waits for the first.
+  void reclaim(std::uint64_t bytes, bool for_large = false);
 
   /// Evicts pieces of trees until these are at their low water mark. Returns the bytes evicted.
   std::uint64_t evict_to_low_water();
@@ -61,6 +66,7 @@ class Reclaimer {
   std::atomic<std::uint64_t> evictions_{0};
   std::atomic<std::uint64_t> trimmed_at_{0};  // evictions of pieces, when memory was given back
   std::mutex mutex_;                          // held while memory is freed
+  StoredScene::Clock::time_point paused_until_{};
 };
 
 }  // namespace sightline::server::scenes

@@ -41,6 +41,7 @@ class StoredScene::Loader final : public JournalReader {
   Status batch(std::uint64_t revision, std::vector<scenegraph::model::Update> updates,
                const std::vector<scenegraph::model::NodeId>& nodes) override {
     const auto applied = scene_.replay(std::move(updates));
+    if (!applied && applied.error().code == Code::kResourceExhausted) return applied.error();
     if (!applied) return corrupt(revision, applied.error().message);
     if (applied->revision == revision && applied->nodes == nodes) return {};
     return corrupt(revision, fmt::format("it makes revision {} and other nodes than it did before",

@@ -154,13 +154,13 @@ Status SceneStore::remove(const std::string& name) {
   return {};  // `removed` may free large trees, outside the lock
 }
 
-bool SceneStore::unload_one() {
+bool SceneStore::unload_one(const std::function<bool(const StoredScene&)>& stays) {
   std::shared_ptr<StoredScene> unloaded;  // its snapshot is freed outside the lock
   const std::lock_guard lock(mutex_);
   std::shared_ptr<StoredScene>* oldest = nullptr;
   for (auto& [name, scene] : scenes_) {
     const std::shared_ptr<StoredScene> looked_at = scene;  // sees what its last user has written
-    if (scene.use_count() > 2 || !scene->is_idle()) continue;
+    if (scene.use_count() > 2 || !scene->is_idle() || (stays && stays(*scene))) continue;
     if (oldest == nullptr || scene->last_cast() < (*oldest)->last_cast()) oldest = &scene;
   }
   if (oldest == nullptr) return false;

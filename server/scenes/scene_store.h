@@ -83,9 +83,9 @@ class SceneStore {
   std::map<store::SceneId, std::shared_ptr<StoredScene>> by_number() const;
 
   /// Puts one that is not loaded in the place of the scene cast at longest ago, of those that are
-  /// kept and that no call uses: the next call reads it again, as after a restart. Returns whether
-  /// there was one.
-  bool unload_one();
+  /// kept, that no call uses, and for which not stays(): the next call reads it again, as after a
+  /// restart. Returns whether there was one.
+  bool unload_one(const std::function<bool(const StoredScene&)>& stays = {});
   /// How many scenes unload_one() has unloaded.
   std::uint64_t unloaded() const { return unloaded_.load(); }
 

@@ -33,7 +33,7 @@ std::string sheet_blob(std::uint32_t which) {
 struct Budgeted {
   explicit Budgeted(std::uint64_t budget, BlobLimits limits = {.idle = kNever})
       : memory(budget), blobs(memory, limits) {
-    memory.set_reclaim([this](std::uint64_t bytes) {
+    memory.set_reclaim([this](std::uint64_t bytes, bool) {
       while (
           memory.used() + bytes > memory.budget() &&
           (blobs.drop_set_aside() || blobs.drop_unused_mesh(Unused::kAny) || blobs.drop_idle())) {

@@ -60,7 +60,7 @@ TEST(MemoryAccount, RefusesOverTheBudgetAndNamesWhatIsHeld) {
 
 TEST(MemoryAccount, TreesCountThemselvesAndHaveWhatIsLeft) {
   using accel::kdtree::TreeBytes;
-  MemoryAccount memory(1000, 200);
+  MemoryAccount memory(1000, {.calls = 200});
   auto mesh = *memory.charge(Held::kMeshes, 300);
   EXPECT_EQ(memory.trees()->limit(), 500u);
   memory.trees()->add(TreeBytes::kLists, 400);
@@ -85,7 +85,7 @@ TEST(MemoryAccount, TreesCountThemselvesAndHaveWhatIsLeft) {
 }
 
 TEST(MemoryAccount, CallsHaveAPartForThemselves) {
-  MemoryAccount memory(1000, 200);
+  MemoryAccount memory(1000, {.calls = 200});
   const auto mesh = memory.charge(Held::kMeshes, 800);
   EXPECT_TRUE(mesh);
   EXPECT_FALSE(memory.charge(Held::kNodes, 1));
@@ -101,7 +101,7 @@ TEST(MemoryAccount, WhatIsRetiredDoesNotCountForABatch) {
   MemoryAccount memory(1000);
   memory.trees()->add(TreeBytes::kLists, 900);
   memory.set_reclaim(
-      [&](std::uint64_t) { memory.trees()->move(TreeBytes::kLists, TreeBytes::kRetired, 300); });
+      [&](std::uint64_t, bool) { memory.trees()->move(TreeBytes::kLists, TreeBytes::kRetired, 300); });
   EXPECT_FALSE(memory.reclaim_and_charge(Held::kMeshes, 400));
   EXPECT_TRUE(memory.reclaim_and_charge_in_batch(Held::kMeshes, 400));
   const auto mesh = memory.reclaim_and_charge_in_batch(Held::kMeshes, 600);
@@ -115,7 +115,7 @@ TEST(MemoryAccount, ReclaimsOnlyWhereItIsNeededAndCanHelp) {
   auto droppable = memory.record(Held::kTrees, 0);
   droppable.resize(600);
   int asked = 0;
-  memory.set_reclaim([&](std::uint64_t bytes) {
+  memory.set_reclaim([&](std::uint64_t bytes, bool) {
     ++asked;
     EXPECT_EQ(bytes, 500u);
     droppable = {};
@@ -126,6 +126,22 @@ TEST(MemoryAccount, ReclaimsOnlyWhereItIsNeededAndCanHelp) {
   EXPECT_EQ(asked, 0);
   EXPECT_TRUE(memory.reclaim_and_charge(Held::kUploads, 500));
   EXPECT_EQ(asked, 1);
+}
+
+TEST(MemoryAccount, WhatIsLargeLeavesRoomForWhatIsSmall) {
+  MemoryAccount memory(6400, {.small = 400});
+  std::vector<bool> asked_for_large;
+  memory.set_reclaim([&](std::uint64_t, bool for_large) { asked_for_large.push_back(for_large); });
+  const auto most = memory.reclaim_and_charge(Held::kNodes, 6000);
+  EXPECT_TRUE(most);
+  EXPECT_FALSE(memory.reclaim_and_charge(Held::kNodes, 10, 200));
+  EXPECT_FALSE(memory.reclaim_and_charge(Held::kMeshes, 101));
+  const auto small = memory.reclaim_and_charge(Held::kNodes, 100);
+  EXPECT_TRUE(small);
+  EXPECT_TRUE(memory.reclaim_and_charge(Held::kMeshes, 100));
+  EXPECT_FALSE(memory.reclaim_and_charge(Held::kNodes, 400 - 50));
+  EXPECT_FALSE(memory.reclaim_and_charge(Held::kNodes, 100, 10));
+  EXPECT_EQ(asked_for_large, (std::vector{true, true, true, true}));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <sys/resource.h>
 #include <sys/socket.h>
 
+#include <chrono>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -110,6 +111,20 @@ TEST_F(AcceptorTest, AcceptsAgainAfterFileDescriptorsHaveRunOut) {
   }
   const Descriptor client = connect_tcp(port_);
   EXPECT_EQ(receive_bytes(client), kWelcome);
+}
+
+TEST_F(AcceptorTest, ConnectionsOfOneAddressAreHandedOverAtAPace) {
+  start(2'000);
+  const auto began = std::chrono::steady_clock::now();
+  std::vector<Descriptor> clients;
+  for (std::uint64_t i = 0; i < 2 * Acceptor::kPerSecond; ++i)
+    clients.push_back(connect_tcp(port_));
+  const Descriptor other = connect_tcp(port_, "127.0.0.2");
+  EXPECT_EQ(receive_bytes(other), kWelcome);
+  clients.front() = Descriptor();  // a client that gives up
+  for (std::size_t i = 1; i < clients.size(); ++i)
+    ASSERT_EQ(receive_bytes(clients[i]), kWelcome) << i;
+  EXPECT_GE(std::chrono::steady_clock::now() - began, std::chrono::milliseconds(900));
 }
 
 TEST_F(AcceptorTest, RefusesConnectionsAfterItsEnd) {
