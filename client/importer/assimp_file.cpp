@@ -13,6 +13,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "client/importer/ac3d_contents.h"
 #include "client/importer/assimp_complaints.h"
 #include "client/importer/assimp_files.h"
 #include "client/importer/assimp_omissions.h"
@@ -163,6 +164,7 @@ Result<FileScene> read_with_assimp(const SceneFile& file) {
   } else if (is_collada) {
     warn_of_collada_losses(file.bytes, *scene);
   } else {
+    if (is_of("AC3D")) check_ac3d(file.bytes, *scene);
     warn_of_float_losses([](const FileNode&) { return 0.0; }, *scene);
   }
   std::string turned = turned_axes(source->importer_name(), file.bytes, file.options.up_axis);
