@@ -34,14 +34,17 @@ std::uint64_t number_of(std::string_view reference) {
   return number;
 }
 
+std::string_view take_argument(std::string_view& rest) {
+  const std::size_t end = find_outside(rest, ',', true);
+  const std::string_view first = trimmed(rest.substr(0, end));
+  rest.remove_prefix(std::min(rest.size(), end + 1));
+  return first;
+}
+
 std::string_view argument(const Statement& statement, std::size_t index) {
   std::string_view rest = statement.arguments;
-  for (;; --index) {
-    const std::size_t end = find_outside(rest, ',', true);
-    if (index == 0) return trimmed(rest.substr(0, end));
-    if (end == rest.size()) return {};
-    rest.remove_prefix(end + 1);
-  }
+  for (; index > 0 && !rest.empty(); --index) take_argument(rest);
+  return take_argument(rest);
 }
 
 std::string_view inside_of(std::string_view list) {

@@ -21,6 +21,9 @@ std::size_t find_outside(std::string_view text, char wanted, bool counts_depth);
 /// The number that a text like "#12" names. 0: it is no reference.
 std::uint64_t number_of(std::string_view reference);
 
+/// The first of arguments that commas part, which is removed from them.
+std::string_view take_argument(std::string_view& rest);
+
 /// The argument of this index, from 0. Empty: there are fewer.
 std::string_view argument(const Statement& statement, std::size_t index);
 
@@ -47,13 +50,13 @@ class Statements {
   /// Whether `is_met` is true for each statement of the list, and there is one.
   template <class IsMet>
   bool each_of(std::string_view list, const IsMet& is_met) const {
-    const Statement items{{}, inside_of(list)};
-    for (std::size_t i = 0;; ++i) {
-      const std::string_view item = argument(items, i);
-      if (item.empty()) return i > 0;
-      const Statement* const statement = find(item);
+    std::string_view rest = inside_of(list);
+    if (rest.empty()) return false;
+    while (!rest.empty()) {
+      const Statement* const statement = find(take_argument(rest));
       if (statement == nullptr || !is_met(*statement)) return false;
     }
+    return true;
   }
 
  private:

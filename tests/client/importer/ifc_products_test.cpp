@@ -159,6 +159,18 @@ TEST(IfcProducts, OtherRepresentationsAndProductsWithoutAWay) {
             "spaces_left_out #121");
 }
 
+TEST(IfcProducts, OfAFileInFeetAreInFeet) {
+  const tests::TempDir folder;
+  const auto scene = import_scene(
+      folder.write("a.ifc", changed("#6=IFCSIUNIT(*,.LENGTHUNIT.,$,.METRE.);",
+                                    "#6=IFCCONVERSIONBASEDUNIT(#51,.LENGTHUNIT.,'FOOT',#52);",
+                                    "#51=IFCDIMENSIONALEXPONENTS(1,0,0,0,0,0,0);\n"
+                                    "#52=IFCMEASUREWITHUNIT(IFCLENGTHMEASURE(0.3048),#53);\n"
+                                    "#53=IFCSIUNIT(*,.LENGTHUNIT.,$,.METRE.);\n")));
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_DOUBLE_EQ(scene->meters_per_unit, 0.3048);
+}
+
 TEST(IfcProducts, AGlobalIdIsTheEndOfAName) {
   FileNode node;
   node.name = "IfcWall_a_b_0123456789012345678901";
