@@ -15,7 +15,7 @@ namespace {
 
 struct Object {
   std::uint64_t line = 0;
-  std::array<double, 3> place{};
+  std::array<double, 3> offset{};
   std::array<double, 9> axes{1, 0, 0, 0, 1, 0, 0, 0, 1};
   bool has_surfaces = false;
 };
@@ -31,7 +31,7 @@ bool is_misplaced(const Object& object, bool has_children) {
   const auto& a = object.axes;
   if (a[1] != a[3] || a[2] != a[6] || a[5] != a[7]) return true;
   const bool is_turned = a != Object{}.axes;
-  return object.place != Object{}.place && object.has_surfaces && (has_children || is_turned);
+  return object.offset != Object{}.offset && object.has_surfaces && (has_children || is_turned);
 }
 
 }  // namespace
@@ -48,7 +48,7 @@ void check_ac3d(std::string_view text, FileScene& scene) {
     if (word == "OBJECT") {
       object = {.line = line};
     } else if (word == "loc") {
-      read_numbers(rest, object.place);
+      read_numbers(rest, object.offset);
     } else if (word == "rot") {
       read_numbers(rest, object.axes);
     } else if (word == "numsurf") {

@@ -199,7 +199,7 @@ class Contents {
       if (tag.name != name) continue;
       std::string_view rest = tag.text;
       std::size_t numbers = 0;
-      std::array<double, 4> first{};
+      std::array<double, 9> first{};
       for (std::string_view word = take_collada_word(rest); !word.empty();
            word = take_collada_word(rest)) {
         const auto value = collada_number(word);
@@ -217,8 +217,21 @@ class Contents {
                         "export it with matrices",
                         length));
       }
+      if (name == "lookat" && !is_upright(first)) {
+        return import_error(
+            "<lookat> has an up direction that is not square to its line of sight, and Assimp "
+            "skews by it; export it with matrices");
+      }
     }
     return {};
+  }
+
+  // `n`: where the eye is, where it looks, and what is up.
+  static bool is_upright(const std::array<double, 9>& n) {
+    const std::array<double, 3> sight{n[3] - n[0], n[4] - n[1], n[5] - n[2]};
+    const double along = sight[0] * n[6] + sight[1] * n[7] + sight[2] * n[8];
+    return std::abs(along) <=
+           kMostOff * std::hypot(sight[0], sight[1], sight[2]) * std::hypot(n[6], n[7], n[8]);
   }
 
   Status check(std::string_view source) const {
