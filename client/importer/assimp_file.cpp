@@ -5,33 +5,29 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <assimp/DefaultLogger.hpp>
 #include <assimp/IOSystem.hpp>
-#include <assimp/LogStream.hpp>
 #include <assimp/ProgressHandler.hpp>
+#include <cmath>
 #include <cstddef>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 
+#include "client/importer/ac3d_contents.h"
+#include "client/importer/assimp_complaints.h"
 #include "client/importer/assimp_files.h"
 #include "client/importer/assimp_omissions.h"
 #include "client/importer/collada_contents.h"
+#include "client/importer/collada_transforms.h"
 #include "client/importer/file_scene_from_assimp.h"
+#include "client/importer/float_losses.h"
 #include "client/importer/frame.h"
 #include "client/importer/ifc_contents.h"
+#include "client/importer/ifc_placements.h"
+#include "client/importer/ifc_products.h"
 
 namespace sightline::client::importer {
 namespace {
-
-constexpr std::size_t kMostComplaints = 3;
-constexpr std::string_view kPrefix = "Error, T";  // and the number of a thread, and a colon
-
-std::string one_line(std::string_view text) {
-  std::string line(text.substr(0, text.find_last_not_of(" \t\r\n") + 1));
-  std::replace_if(
-      line.begin(), line.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
-  return line;
-}
 
 class ProgressAdapter final : public Assimp::ProgressHandler {
  public:
@@ -50,54 +46,6 @@ class ProgressAdapter final : public Assimp::ProgressHandler {
   double reached_ = 0;
 };
 
-// Materials and textures are not imported.
-bool is_about_looks(std::string_view complaint) {
-  return complaint.find("aterial") != std::string_view::npos ||
-         complaint.find("exture") != std::string_view::npos ||
-         complaint.find("angent layer") != std::string_view::npos ||
-         complaint.find("inormal layer") != std::string_view::npos;
-}
-
-// Collects what Assimp logs as an error, each sentence once.
-class Complaints {
- public:
-  Complaints() {
-    Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0)
-        ->attachStream(&stream_, Assimp::Logger::Err);
-  }
-  Complaints(const Complaints&) = delete;
-  Complaints& operator=(const Complaints&) = delete;
-  ~Complaints() {
-    Assimp::DefaultLogger::get()->detachStream(&stream_, Assimp::Logger::Err);
-    Assimp::DefaultLogger::kill();
-  }
-
-  std::vector<std::string> take() {
-    if (stream_.more > 0)
-      stream_.lines.push_back(fmt::format("{} more errors, and went on", stream_.more));
-    return std::move(stream_.lines);
-  }
-
- private:
-  struct Stream final : Assimp::LogStream {
-    void write(const char* text) override {
-      std::string line = one_line(text);
-      if (line.starts_with(kPrefix)) line.erase(0, line.find(": ") + 2);
-      if (is_about_looks(line) || std::find(lines.begin(), lines.end(), line) != lines.end())
-        return;
-      if (lines.size() < kMostComplaints) {
-        lines.push_back(std::move(line));
-      } else {
-        ++more;
-      }
-    }
-    std::vector<std::string> lines;
-    std::size_t more = 0;
-  };
-
-  Stream stream_;
-};
-
 // Some messages are only the name of what was thrown.
 std::string readable(const std::string& said) {
   if (said.empty()) return "holds no scene, or one without meshes";
@@ -111,7 +59,7 @@ std::string readable(const std::string& said) {
 
 Result<AssimpFile> AssimpFile::read(const std::string& name, const FileSource& files,
                                     const ImportProgress& progress) {
-  Complaints complaints;
+  AssimpComplaints complaints;
   auto importer = std::make_unique<Assimp::Importer>();
   importer->SetIOHandler(assimp_files(files).release());
   if (progress) {
@@ -135,13 +83,9 @@ std::string AssimpFile::importer_name() const {
 
 namespace {
 
-// Marks solids: Assimp's nodes of IFC products are named TYPE_NAME_GLOBALID.
 void use(const IfcContents& contents, FileScene& scene) {
-  constexpr std::size_t kIdLength = 22;
   for (const FileNode& node : scene.nodes) {
-    const std::string_view name = node.name;
-    if (name.size() <= kIdLength || !contents.solids.contains(name.substr(name.size() - kIdLength)))
-      continue;
+    if (!contents.solids.contains(global_id_of(node))) continue;
     for (const std::uint32_t mesh : node.meshes) {
       if (mesh < scene.meshes.size()) scene.meshes[mesh].is_solid = true;
     }
@@ -165,20 +109,64 @@ void use(const IfcContents& contents, FileScene& scene) {
       "fills; the first is");
 }
 
+double loss_in(const std::unordered_map<std::string_view, double>& losses, std::string_view name) {
+  const auto loss = losses.find(name);
+  return loss == losses.end() ? 0 : loss->second;
+}
+
+// Assimp counts nodes that have no name.
+void warn_of_collada_losses(std::string_view bytes, FileScene& scene) {
+  const auto losses = collada_losses(bytes);
+  warn_of_float_losses(
+      [&](const FileNode& node) {
+        return loss_in(losses, node.name.starts_with("$ColladaAutoName$_") ? "" : node.name);
+      },
+      scene);
+}
+
+void check_ifc(std::string_view bytes, FileScene& scene) {
+  const Statements statements(bytes);
+  use(ifc_contents(statements), scene);
+  check_products(statements, scene);
+  scene.meters_per_unit = ifc_meters_per_unit(statements);
+  if (scene.meters_per_unit == 0) {
+    scene.warnings.push_back(
+        {.kind = "unit_unknown",
+         .message = "its unit of length is not understood; --meters-per-unit states it"});
+  }
+  const auto losses = ifc_losses(statements);
+  warn_of_float_losses(
+      [&](const FileNode& node) {
+        const Transform& m = node.parent_from_local;  // of the root: it has Assimp's units, too
+        const double unit = node.parent == kNone ? std::hypot(m[0], m[4], m[8]) : 1.0;
+        return unit * loss_in(losses, global_id_of(node));
+      },
+      scene);
+}
+
 }  // namespace
 
 Result<FileScene> read_with_assimp(const SceneFile& file) {
   const auto source = AssimpFile::read(file.name, file.files, file.progress);
   if (!source) return source.error();
-  const bool is_packed = file.bytes.starts_with("PK");
-  if (source->importer_name().find("Collada") != std::string::npos && !is_packed) {
+  const auto is_of = [&](std::string_view format) {
+    return source->importer_name().find(format) != std::string::npos;
+  };
+  const bool is_collada = is_of("Collada") && !file.bytes.starts_with("PK");  // not packed
+  if (is_collada) {
     if (const Status good = check_collada(file.bytes); !good) return good.error();
   }
   auto scene = file_scene_from_assimp(source->scene(), source->importer_name());
   if (!scene) return scene;
   settle_omissions(source->importer_name(), file.bytes, *scene);
-  if (source->importer_name().find("IFC") != std::string::npos)
-    use(ifc_contents(file.bytes), *scene);
+  if (is_of("IFC")) {
+    check_ifc(file.bytes, *scene);
+  } else if (is_collada) {
+    warn_of_collada_losses(file.bytes, *scene);
+  } else {
+    if (is_of("AC3D")) check_ac3d(file.bytes, *scene);
+    warn_of_float_losses([](const FileNode&) { return 0.0; }, *scene);
+  }
   std::string turned = turned_axes(source->importer_name(), file.bytes, file.options.up_axis);
   if (!turned.empty())
     scene->warnings.push_back({.kind = "axes_turned", .message = std::move(turned)});

@@ -4,13 +4,16 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
+#include <iterator>
 #include <set>
 #include <sstream>
 #include <string>
 #include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include "client/importer/node_name.h"
 #include "client/importer/xml_tags.h"
@@ -101,13 +104,62 @@ void warn_of_interpolations(std::string_view text, FileScene& scene) {
                               fmt::join(names, ", "))});
 }
 
+// Counts elements of one kind, and says which is the first.
+struct Unread {
+  const char *kind, *what;
+  std::uint64_t count = 0;
+  std::string first{};
+
+  void add(const XmlTag& tag) {
+    if (count++ == 0) first = fmt::format("<{}>", node_name(std::string(tag.name)));
+  }
+};
+
+bool is_part_of_mesh(std::string_view name) {
+  constexpr std::string_view kParts[] = {"source",     "vertices",  "triangles", "polylist",
+                                         "polygons",   "tristrips", "trifans",   "lines",
+                                         "linestrips", "extra"};
+  return std::find(std::begin(kParts), std::end(kParts), name) != std::end(kParts);
+}
+
+void warn_of_unread_elements(std::string_view text, FileScene& scene) {
+  Unread shapes{"shapes_left_out", "of its elements hold surfaces that Assimp does not read"};
+  Unread frames{"frame_of_part",
+                "of its elements state the unit or the axes of a part, which Assimp does not read"};
+  std::vector<std::string_view> open;
+  XmlTags tags(text);
+  while (const auto tag = tags.next()) {
+    if (tag->is_end) {
+      if (!open.empty()) open.pop_back();
+      continue;
+    }
+    const std::string_view parent = open.empty() ? std::string_view() : open.back();
+    if ((parent == "geometry" && (tag->name == "brep" || tag->name == "convex_mesh")) ||
+        (parent == "mesh" && !is_part_of_mesh(tag->name)))
+      shapes.add(*tag);
+    if (parent == "asset" && open.size() > 2 && (tag->name == "unit" || tag->name == "up_axis"))
+      frames.add(*tag);
+    if (!tag->is_empty) open.push_back(tag->name);
+  }
+  for (const Unread& unread : {shapes, frames}) {
+    if (unread.count == 0) continue;
+    scene.warnings.push_back({.kind = unread.kind,
+                              .count = unread.count,
+                              .first = unread.first,
+                              .message = fmt::format("{} {}; the first is {}", unread.count,
+                                                     unread.what, unread.first)});
+  }
+}
+
 }  // namespace
 
 void settle_omissions(std::string_view importer_name, std::string_view bytes, FileScene& scene) {
   const bool is_fbx = importer_name.find("FBX") != std::string_view::npos;
   const bool is_collada = importer_name.find("Collada") != std::string_view::npos;
   if (is_fbx || is_collada) settle_weights(is_fbx, bytes, scene);
-  if (is_collada) warn_of_interpolations(bytes, scene);
+  if (!is_collada) return;
+  warn_of_interpolations(bytes, scene);
+  warn_of_unread_elements(bytes, scene);
 }
 
 }  // namespace sightline::client::importer

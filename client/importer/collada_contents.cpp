@@ -15,9 +15,9 @@
 #include <string>
 #include <unordered_map>
 #include <unordered_set>
-#include <utility>
 #include <vector>
 
+#include "client/importer/collada_numbers.h"
 #include "client/importer/formats/text.h"
 #include "client/importer/imported_scene.h"
 #include "client/importer/node_name.h"
@@ -28,44 +28,14 @@ namespace {
 
 constexpr std::uint64_t kMost = 0xFFFFFFFF;  // products of two are no larger than 64 bits
 constexpr double kMostOff = 2e-3;            // of the length of an axis
-constexpr std::string_view kBetweenWords = " \t\r\n";
 constexpr std::string_view kLooks[] = {"NORMAL",   "TEXCOORD",   "COLOR",       "TANGENT",
                                        "BINORMAL", "TEXTANGENT", "TEXBINORMAL", "UV"};
 constexpr std::string_view kPrimitives[] = {"triangles", "polylist", "polygons",  "tristrips",
                                             "trifans",   "lines",    "linestrips"};
-constexpr std::pair<std::string_view, std::size_t> kTransforms[] = {
-    {"matrix", 16}, {"translate", 3}, {"rotate", 4}, {"scale", 3}, {"lookat", 9}, {"skew", 7}};
 
 template <class Words>
 bool holds(const Words& words, std::string_view word) {
   return std::find(std::begin(words), std::end(words), word) != std::end(words);
-}
-
-std::string_view take(std::string_view& text) {
-  const std::size_t begin = std::min(text.find_first_not_of(kBetweenWords), text.size());
-  const std::size_t end = std::min(text.find_first_of(kBetweenWords, begin), text.size());
-  const std::string_view word = text.substr(begin, end - begin);
-  text.remove_prefix(end);
-  return word;
-}
-
-// Assimp takes integers of more digits for others.
-constexpr std::size_t kMostDigits = 19;
-
-// Programs of some countries write decimal commas, and Assimp takes them for points.
-Result<double> decimal_of(std::string_view word) {
-  std::string plain(word);
-  const std::size_t comma = plain.find(',');
-  if (comma != std::string::npos) plain[comma] = '.';
-  const auto value = formats::number(plain);
-  if (!value) return import_error(fmt::format("'{}' is no number", formats::shown(word)));
-  const std::size_t sign = plain.starts_with('-') || plain.starts_with('+') ? 1 : 0;
-  if (plain.find_first_not_of("0123456789", sign) > sign + kMostDigits &&
-      plain.size() > sign + kMostDigits) {
-    return import_error(fmt::format("'{}' has more than {} digits before its point",
-                                    formats::shown(word), kMostDigits));
-  }
-  return *value;
 }
 
 // Assimp reads on over characters that XML does not have.
@@ -196,7 +166,8 @@ class Contents {
   Status check_corners(std::string_view text) const {
     if (!vertex_) return {};
     std::uint64_t i = 0;
-    for (std::string_view word = take(text); !word.empty(); word = take(text), ++i) {
+    for (std::string_view word = take_collada_word(text); !word.empty();
+         word = take_collada_word(text), ++i) {
       if (i % stride_ != *vertex_) continue;
       int number = -1;
       std::from_chars(word.data(), word.data() + word.size(), number);
@@ -209,14 +180,14 @@ class Contents {
   }
 
   static Status check_unit(std::string_view meter) {
-    const auto value = decimal_of(meter);
+    const auto value = collada_number(meter);
     if (meter.empty() || (value && *value > 0)) return {};
     return import_error(fmt::format("its unit is '{}' meters", formats::shown(meter)));
   }
 
   // Assimp would move the whole scene.
   static Status refuse_transform(const XmlTag& tag) {
-    for (const auto& [name, needed] : kTransforms) {
+    for (const auto& [name, needed] : kColladaTransforms) {
       if (tag.name == name)
         return import_error(fmt::format("<{}> stands in <visual_scene>, not in a node", name));
     }
@@ -224,13 +195,14 @@ class Contents {
   }
 
   static Status check_transform(const XmlTag& tag) {
-    for (const auto& [name, needed] : kTransforms) {
+    for (const auto& [name, needed] : kColladaTransforms) {
       if (tag.name != name) continue;
       std::string_view rest = tag.text;
       std::size_t numbers = 0;
-      std::array<double, 4> first{};
-      for (std::string_view word = take(rest); !word.empty(); word = take(rest)) {
-        const auto value = decimal_of(word);
+      std::array<double, 9> first{};
+      for (std::string_view word = take_collada_word(rest); !word.empty();
+           word = take_collada_word(rest)) {
+        const auto value = collada_number(word);
         if (!value) return import_error(fmt::format("<{}>: {}", name, value.error().message));
         if (numbers < first.size()) first[numbers] = *value;
         ++numbers;
@@ -245,8 +217,21 @@ class Contents {
                         "export it with matrices",
                         length));
       }
+      if (name == "lookat" && !is_upright(first)) {
+        return import_error(
+            "<lookat> has an up direction that is not square to its line of sight, and Assimp "
+            "skews by it; export it with matrices");
+      }
     }
     return {};
+  }
+
+  // `n`: where the eye is, where it looks, and what is up.
+  static bool is_upright(const std::array<double, 9>& n) {
+    const std::array<double, 3> sight{n[3] - n[0], n[4] - n[1], n[5] - n[2]};
+    const double along = sight[0] * n[6] + sight[1] * n[7] + sight[2] * n[8];
+    return std::abs(along) <=
+           kMostOff * std::hypot(sight[0], sight[1], sight[2]) * std::hypot(n[6], n[7], n[8]);
   }
 
   Status check(std::string_view source) const {
@@ -277,9 +262,9 @@ class Contents {
   static Status check_numbers(const Array& array, std::string_view source) {
     std::string_view rest = array.text;
     for (std::uint64_t i = 0; i < array.count; ++i) {
-      const std::string_view word = take(rest);
+      const std::string_view word = take_collada_word(rest);
       if (word.empty()) return {};  // Assimp refuses arrays that are too short.
-      if (const auto value = decimal_of(word); !value) {
+      if (const auto value = collada_number(word); !value) {
         return import_error(
             fmt::format("source '{}': {}", formats::shown(source), value.error().message));
       }

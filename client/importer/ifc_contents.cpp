@@ -1,63 +1,17 @@
-// Indexes the statements of the file by their numbers, and follows those of each product.
+// Follows the statements of each product and of each face.
 #include "client/importer/ifc_contents.h"
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
-
-#include "client/importer/formats/text.h"
 
 namespace sightline::client::importer {
 namespace {
 
-using formats::trimmed;
-
 constexpr int kDeepest = 16;  // mapped items in mapped items
-
-struct Statement {
-  std::string_view type, arguments;
-};
-
-// Where `text` has this character outside of strings and, if `depth` is counted, of brackets.
-std::size_t find_outside(std::string_view text, char wanted, bool counts_depth) {
-  bool in_string = false;
-  int depth = 0;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (c == '\'') in_string = !in_string;
-    if (in_string) continue;
-    if (c == wanted && (depth == 0 || !counts_depth)) return i;
-    if (c == '(') ++depth;
-    if (c == ')') --depth;
-  }
-  return text.size();
-}
-
-// 0: no reference.
-std::uint64_t number_of(std::string_view reference) {
-  if (!reference.starts_with('#')) return 0;
-  std::uint64_t number = 0;
-  for (const char c : reference.substr(1)) {
-    if (c < '0' || c > '9') break;
-    number = 10 * number + static_cast<std::uint64_t>(c - '0');
-  }
-  return number;
-}
-
-std::string_view argument(const Statement& statement, std::size_t index) {
-  std::string_view rest = statement.arguments;
-  for (;; --index) {
-    const std::size_t end = find_outside(rest, ',', true);
-    if (index == 0) return trimmed(rest.substr(0, end));
-    if (end == rest.size()) return {};
-    rest.remove_prefix(end + 1);
-  }
-}
 
 bool is_solid_type(std::string_view type) {
   constexpr std::string_view kSolids[] = {
@@ -67,66 +21,6 @@ bool is_solid_type(std::string_view type) {
       "IFCCLOSEDSHELL"};
   return std::find(std::begin(kSolids), std::end(kSolids), type) != std::end(kSolids);
 }
-
-class Statements {
- public:
-  explicit Statements(std::string_view step) {
-    while (!step.empty()) {
-      const std::size_t end = find_outside(step, ';', false);
-      add(trimmed(step.substr(0, end)));
-      step.remove_prefix(std::min(step.size(), end + 1));
-    }
-  }
-
-  const std::unordered_map<std::uint64_t, Statement>& all() const { return all_; }
-
-  /// Numbers that two statements have, or that one names and none has.
-  std::vector<std::uint64_t> loose_ends() const {
-    std::vector<std::uint64_t> out = repeated_;
-    for (const auto& [number, statement] : all_) {
-      std::string_view rest = statement.arguments;
-      for (std::size_t at = find_outside(rest, '#', false); at < rest.size();
-           at = find_outside(rest, '#', false)) {
-        rest.remove_prefix(at);
-        const std::uint64_t named = number_of(rest);
-        if (!all_.contains(named)) out.push_back(named);
-        rest.remove_prefix(1);
-      }
-    }
-    return out;
-  }
-
-  const Statement* find(std::string_view reference) const {
-    const auto found = all_.find(number_of(reference));
-    return found == all_.end() ? nullptr : &found->second;
-  }
-
-  /// Whether `is_met` is true for each statement of the list, and there is one.
-  template <class IsMet>
-  bool each_of(std::string_view list, const IsMet& is_met) const {
-    if (!list.starts_with('(') || !list.ends_with(')')) return false;
-    const Statement items{{}, list.substr(1, list.size() - 2)};
-    for (std::size_t i = 0;; ++i) {
-      const std::string_view item = argument(items, i);
-      if (item.empty()) return i > 0;
-      const Statement* const statement = find(item);
-      if (statement == nullptr || !is_met(*statement)) return false;
-    }
-  }
-
- private:
-  void add(std::string_view text) {
-    const std::uint64_t number = number_of(text);
-    const std::size_t equals = text.find('='), open = text.find('(');
-    if (number == 0 || equals >= open || open == text.npos || !text.ends_with(')')) return;
-    if (all_.contains(number)) repeated_.push_back(number);
-    all_[number] = {trimmed(text.substr(equals + 1, open - equals - 1)),
-                    text.substr(open + 1, text.size() - open - 2)};
-  }
-
-  std::unordered_map<std::uint64_t, Statement> all_;
-  std::vector<std::uint64_t> repeated_;
-};
 
 bool is_solid(const Statements& statements, const Statement& item, int depth) {
   if (is_solid_type(item.type)) return true;
@@ -143,15 +37,8 @@ bool is_solid(const Statements& statements, const Statement& item, int depth) {
 }
 
 std::array<double, 3> point_of(const Statement& point) {
-  const std::string_view list = argument(point, 0);
-  std::array<double, 3> out{};
-  if (point.type != "IFCCARTESIANPOINT" || list.size() < 2) return out;
-  const Statement numbers{{}, list.substr(1, list.size() - 2)};
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::string_view number = argument(numbers, k);
-    std::from_chars(number.data(), number.data() + number.size(), out[k]);
-  }
-  return out;
+  return point.type == "IFCCARTESIANPOINT" ? numbers_of(argument(point, 0))
+                                           : std::array<double, 3>{};
 }
 
 using Loop = std::vector<std::array<double, 3>>;
@@ -255,9 +142,8 @@ bool has_solid_body(const Statements& statements, const Statement& shape) {
 
 }  // namespace
 
-IfcContents ifc_contents(std::string_view step) {
+IfcContents ifc_contents(const Statements& statements) {
   constexpr std::size_t kIdLength = 22;
-  const Statements statements(step);
   IfcContents out;
   const std::vector<std::uint64_t> loose = statements.loose_ends();
   out.loose_ends = loose.size();

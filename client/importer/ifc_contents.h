@@ -5,6 +5,8 @@
 #include <string_view>
 #include <unordered_set>
 
+#include "client/importer/ifc_statements.h"
+
 namespace sightline::client::importer {
 
 struct IfcContents {
@@ -19,12 +21,13 @@ struct IfcContents {
   /// Corners that Assimp takes for their neighbors, as they are near for the size of their shell
   std::uint64_t merged_corners = 0;
   std::uint64_t first_merged = 0;  ///< the number of such a shell
-  /// Statements with a number that another one has, and names of statements that are not there
+  /// Statements with a number that another one has or that stand in a string, and names of
+  /// statements that are not there
   std::uint64_t loose_ends = 0;
   std::uint64_t first_loose = 0;  ///< the least such number
 };
 
-/// `step` is the contents of the file. What is not understood is no solid, and not lost.
-IfcContents ifc_contents(std::string_view step);
+/// What is not understood is no solid, and not lost.
+IfcContents ifc_contents(const Statements& statements);
 
 }  // namespace sightline::client::importer

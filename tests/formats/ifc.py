@@ -31,7 +31,7 @@ def text(outlines):
                   f"#{n + 4}=IFCFACEBASEDSURFACEMODEL((#{n + 3}));",
                   f"#{n + 5}=IFCSHAPEREPRESENTATION(#10,'Body','SurfaceModel',(#{n + 4}));",
                   f"#{n + 6}=IFCPRODUCTDEFINITIONSHAPE($,$,(#{n + 5}));",
-                  f"#{n + 7}=IFCBUILDINGELEMENTPROXY('{i:022d}',#5,'p{i}',$,$,#12,#{n + 6},$,$);"]
+                  f"#{n + 7}=IFCBUILDINGELEMENTPROXY('{i + 10:022d}',#5,'p{i}',$,$,#12,#{n + 6},$,$);"]
         products.append(f"#{n + 7}")
         number = n + 8
     lines.append(f"#15=IFCRELCONTAINEDINSPATIALSTRUCTURE('0000000000000000000003',#5,$,$,({','.join(products)}),#13);")

@@ -173,15 +173,17 @@ def ply_body(rng, data):
     begin = data.find(b"end_header\n") + 11
     if begin == 10 or begin == len(data):
         return
-    if b"ascii" in data[:begin]:
-        body = data[begin:]
-        rng.choice([numbers_near, numbers_near, numbers_near, other_words(b""), other_lines(b"")])(rng, body)
-        data[begin:] = body
-    else:  # Vertices come first, as a rule, and any bytes are numbers there.
-        end = rng.choice([len(data), begin + (len(data) - begin) // 3])
-        body = data[begin:end]
+    # Vertices come first, as a rule: other numbers there leave a file that can be read.
+    third = begin + (len(data) - begin) // 3
+    end = rng.choice([len(data), third, third])
+    body = data[begin:end]
+    if b"ascii" not in data[:begin]:
         moved(rng, body, 0)
-        data[begin:end] = body
+    elif end < len(data):
+        numbers_near(rng, body)
+    else:
+        rng.choice([numbers_near, numbers_near, other_words(b""), other_lines(b"")])(rng, body)
+    data[begin:end] = body
 
 
 def facets(rng, data):

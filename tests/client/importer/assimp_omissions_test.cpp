@@ -87,6 +87,28 @@ TEST(Omissions, TextThatIsCutIsNoMatter) {
   EXPECT_TRUE(scene.warnings.empty());
 }
 
+std::vector<std::string> unread_in(const std::string& text) {
+  FileScene scene;
+  settle_omissions("Collada Importer", "<COLLADA>" + text + "</COLLADA>", scene);
+  std::vector<std::string> kinds;
+  for (const Warning& warning : scene.warnings) kinds.push_back(warning.kind + warning.first);
+  return kinds;
+}
+
+TEST(Omissions, SurfacesThatAssimpDoesNotReadAreWarnedAbout) {
+  using Kinds = std::vector<std::string>;
+  EXPECT_EQ(unread_in("<asset><unit/></asset><geometry><mesh><source/><triangles/><extra><a/>"
+                      "</extra></mesh></geometry><geometry><spline/></geometry>"),
+            Kinds{});
+  EXPECT_EQ(unread_in("<geometry><brep/></geometry>"), Kinds{"shapes_left_out<brep>"});
+  EXPECT_EQ(unread_in("<geometry><convex_mesh><source/></convex_mesh></geometry>"),
+            Kinds{"shapes_left_out<convex_mesh>"});
+  EXPECT_EQ(unread_in("<geometry><mesh><quads/></mesh></geometry>"),
+            Kinds{"shapes_left_out<quads>"});
+  EXPECT_EQ(unread_in("<geometry><asset><unit meter=\"0.1\"/></asset></geometry>"),
+            Kinds{"frame_of_part<unit>"});
+}
+
 // A strip that follows one joint, which is 5 above; its node is 10 away.
 TEST(AssimpPoses, ASkinOfColladaLiesWhereItsJointsAre) {
   const tests::TempDir dir;

@@ -50,6 +50,9 @@ TEST(ColladaContents, NumbersThatAreThere) {
   EXPECT_EQ(refusal_of(changed("count=\"2\"", "count=\"9\"")), "") << "looks";
   EXPECT_EQ(refusal_of(changed("<p>0 0 1 0", "<p>0 -1 1 0")), "") << "looks";
   EXPECT_EQ(refusal_of(changed("<translate>1 2 3</translate>", "<rotate>0 0 0 0</rotate>")), "");
+  EXPECT_EQ(
+      refusal_of(changed("<translate>1 2 3</translate>", "<lookat>0 0 5 1 0 0 0 1 0</lookat>")),
+      "");
   EXPECT_EQ(refusal_of(changed("meter=\"1\"", "meter=\"0,01\"")), "");
   EXPECT_EQ(refusal_of(changed("?>", " encoding=\"ISO-8859-1\"?><!-- \xE9 -->")), "");
   EXPECT_EQ(refusal_of(changed("<mesh>", "<!-- <p>-1</p> <matrix>1</matrix> --><mesh>")), "");
@@ -87,6 +90,9 @@ TEST(ColladaContents, NumbersThatAreNot) {
       {changed("<translate>1 2 3</translate>", "<rotate>0 1 1 90</rotate>"),
        "<rotate> is about an axis of length 1.414, which Assimp takes for 1; export it with "
        "matrices"},
+      {changed("<translate>1 2 3</translate>", "<lookat>0 0 5 1 1 0 0 1 0</lookat>"),
+       "<lookat> has an up direction that is not square to its line of sight, and Assimp skews by "
+       "it; export it with matrices"},
       {changed("0 0 0 1<", "0 0 0 1 1<"), "<matrix> has 17 numbers, must have 16"}};
   for (const auto& [text, wanted] : cases) EXPECT_EQ(refusal_of(text), wanted);
 }

@@ -150,7 +150,7 @@ DATA;
 ENDSEC;
 END-ISO-10303-21;
 )";
-  const auto solids = ifc_contents(step).solids;
+  const auto solids = ifc_contents(Statements(step)).solids;
   EXPECT_EQ(solids.size(), 3U);
   for (const char* const id :
        {"0000000000000000000001", "0000000000000000000003", "0000000000000000000004"})
@@ -176,19 +176,19 @@ std::string faces_of(const std::vector<double>& widths) {
 
 TEST(IfcContents, FacesAndHolesTooSmallForAssimpAreLost) {
   for (const auto& widths : {std::vector{1.0}, {3e-3}, {1.0, 0.5}, {1.0, 0.05}, {0.0}, {1.0, 0.0}})
-    EXPECT_EQ(ifc_contents(faces_of(widths)).lost_faces, 0U) << widths.front();
+    EXPECT_EQ(ifc_contents(Statements(faces_of(widths))).lost_faces, 0U) << widths.front();
   for (const auto& widths : {std::vector{2e-3}, {1e-6}, {1.0, 0.03}, {2e-3, 1e-3}}) {
-    EXPECT_EQ(ifc_contents(faces_of(widths)).lost_faces, 1U) << widths.front();
-    EXPECT_EQ(ifc_contents(faces_of(widths)).first_lost, 1000U);
+    EXPECT_EQ(ifc_contents(Statements(faces_of(widths))).lost_faces, 1U) << widths.front();
+    EXPECT_EQ(ifc_contents(Statements(faces_of(widths))).first_lost, 1000U);
   }
 }
 
 TEST(IfcContents, CornersThatAssimpMergesAreCounted) {
   const std::string shell = "#2000=IFCCLOSEDSHELL((#1000));\n";
-  EXPECT_EQ(ifc_contents(faces_of({1.0, 0.5}) + shell).merged_corners, 0U);
-  EXPECT_EQ(ifc_contents(faces_of({1.0, 0.0}) + shell).merged_corners, 0U) << "equal";
+  EXPECT_EQ(ifc_contents(Statements(faces_of({1.0, 0.5}) + shell)).merged_corners, 0U);
+  EXPECT_EQ(ifc_contents(Statements(faces_of({1.0, 0.0}) + shell)).merged_corners, 0U) << "equal";
   for (const auto& widths : {std::vector{1e5, 1.0}, {1e10, 2.0}, {3.0, 1e-5}}) {
-    const IfcContents found = ifc_contents(faces_of(widths) + shell);
+    const IfcContents found = ifc_contents(Statements(faces_of(widths) + shell));
     EXPECT_EQ(found.merged_corners, 4U) << widths.front();
     EXPECT_EQ(found.first_merged, 2000U);
   }
@@ -196,8 +196,8 @@ TEST(IfcContents, CornersThatAssimpMergesAreCounted) {
 
 TEST(IfcContents, LooseEndsAreCounted) {
   const std::string whole = "#1=IFCA('#9',$);\n#2=IFCB((#1,#1),#3);\n#3=IFCA($,$);\n";
-  EXPECT_EQ(ifc_contents(whole).loose_ends, 0U);
-  const IfcContents loose = ifc_contents(whole + "#3=IFCA($,$);\n#4=IFCB(#3,#7);\n");
+  EXPECT_EQ(ifc_contents(Statements(whole)).loose_ends, 0U);
+  const IfcContents loose = ifc_contents(Statements(whole + "#3=IFCA($,$);\n#4=IFCB(#3,#7);\n"));
   EXPECT_EQ(loose.loose_ends, 2U);
   EXPECT_EQ(loose.first_loose, 3U);
 }
