@@ -19,28 +19,25 @@ namespace sightline::server {
 
 namespace {
 
-/// Requests in work, those of small casts and replies that are not read fit into the calls' part of
-/// the budget, so that none is refused because of what others hold.
-ServerConfig with_calls_in_budget(ServerConfig config) {
-  const std::uint64_t for_calls = exec::MemoryParts::of(config.memory_budget).calls;
-  config.admission.bytes = std::min(config.admission.bytes, for_calls / 2);
-  return config;
+/// For small casts, and for small replies: half of the part of the budget that is the calls' own.
+std::uint64_t reserved_bytes(const ServerConfig& config) {
+  return std::min(config.admission.bytes / exec::kSmallShare,
+                  exec::MemoryParts::of(config.memory_budget).calls / 2);
 }
 
 }  // namespace
 
 State::State(const ServerConfig& c, std::unique_ptr<store::Store> disk, shards::Peers peers)
-    : config(with_calls_in_budget(c)),
+    : config(c),
       shard_peers(std::move(peers)),
       memory(c.memory_budget, exec::MemoryParts::of(c.memory_budget)),
       admission(config.admission, &memory),
       all_hits_admission({config.admission.rays / exec::kAllHitsShare,
                           config.admission.bytes / exec::kAllHitsShare}),
-      small_admission(
-          {config.admission.rays / exec::kSmallShare, config.admission.bytes / exec::kSmallShare},
-          &memory),
+      small_admission({config.admission.rays / exec::kSmallShare, reserved_bytes(config)}, &memory,
+                      exec::Admission::Capacity::kReserved),
       batch_admission({config.admission.rays, config.admission.bytes / exec::kBatchShare}),
-      unread(config.admission.bytes / exec::kUnreadShare, &memory),
+      unread(config.admission.bytes / exec::kUnreadShare, &memory, reserved_bytes(config)),
       quotas(c.quotas),
       waiting_reads({.limit = scenes::kMaxWaitingReads,
                      .when_full = "{} reads that wait for a revision are open on the server",

@@ -28,7 +28,8 @@ Result<Admission::Ticket> Admission::admit(const Caller& caller, std::uint64_t r
                                            std::uint64_t bytes) {
   MemoryAccount::Charge charge;
   if (memory_ != nullptr) {
-    auto charged = memory_->charge(Held::kCalls, bytes);
+    auto charged = capacity_ == Capacity::kReserved ? memory_->record(Held::kCalls, bytes)
+                                                    : memory_->charge(Held::kCalls, bytes);
     if (!charged) return charged.error();
     charge = std::move(*charged);
   }

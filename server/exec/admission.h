@@ -68,9 +68,16 @@ class Admission {
     std::uint64_t bytes_ = 0;
   };
 
+  /// Whether bytes need room in the budget, or have theirs whatever others hold.
+  enum class Capacity : std::uint8_t { kShared, kReserved };
+
   /// `memory`: the bytes are also charged there. Null: not.
-  explicit Admission(AdmissionLimits limits, MemoryAccount* memory = nullptr)
-      : limits_(limits), memory_(memory), bytes_(ShareLimits::of(limits.bytes)) {}
+  explicit Admission(AdmissionLimits limits, MemoryAccount* memory = nullptr,
+                     Capacity capacity = Capacity::kShared)
+      : limits_(limits),
+        memory_(memory),
+        capacity_(capacity),
+        bytes_(ShareLimits::of(limits.bytes)) {}
 
   /// Of the bytes, a connection and a principal have a fixed share (Shares). Of the rays, a
   /// connection alone may use up the limit. With others its share is the limit divided by the
@@ -89,6 +96,7 @@ class Admission {
 
   const AdmissionLimits limits_;
   MemoryAccount* const memory_;
+  const Capacity capacity_;
   mutable std::mutex mutex_;
   std::uint64_t rays_ = 0;
   std::map<std::string, std::uint64_t> connection_rays_;  // of connections with rays in flight

@@ -79,12 +79,12 @@ Result<MemoryAccount::Charge> MemoryAccount::reclaim_and_charge_in_batch(Held ki
 
 Status MemoryAccount::reclaim(Held kind, std::uint64_t bytes, std::uint64_t held) {
   const bool large = is_large(held + bytes);
-  const std::uint64_t room = bytes + (large ? parts_.small : 0);
-  if (fits(kind, room)) return {};
+  const std::uint64_t needed = bytes + (large ? parts_.small : 0);
+  if (fits(kind, needed)) return {};
   // Nothing is dropped for what can never fit.
-  if (reclaim_ && room <= limit(kind)) reclaim_(room, large);
-  if (fits(kind, room)) return {};
-  return over(kind, room);
+  if (reclaim_ && needed <= limit(kind)) reclaim_(needed, large);
+  if (fits(kind, needed)) return {};
+  return over(kind, needed);
 }
 
 std::uint64_t MemoryAccount::used() const {

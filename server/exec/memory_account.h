@@ -37,15 +37,16 @@ struct MemoryParts {
   std::uint64_t transport = 0;  ///< gRPC's, for messages that have not arrived in full.
   std::uint64_t small = 0;      ///< What is large does not use them: see MemoryAccount::is_large().
 
-  /// A quarter for calls; an eighth, at most 256 MiB, for the transport; a sixteenth for what is
+  /// An eighth for calls; an eighth, at most 256 MiB, for the transport; a sixteenth for what is
   /// small.
   static constexpr MemoryParts of(std::uint64_t budget) {
-    return {budget / 4, std::min(budget / 8, std::uint64_t{256} << 20), budget / 16};
+    return {budget / 8, std::min(budget / 8, std::uint64_t{256} << 20), budget / 16};
   }
 };
 
-/// What holds more than 1 / kLargeShare of the budget is large.
+/// What holds more than 1 / kLargeShare of the budget, or more than kLarge bytes, is large.
 inline constexpr std::uint64_t kLargeShare = 64;
+inline constexpr std::uint64_t kLarge = std::uint64_t{4} << 20;
 
 /// The reason of the error when the budget is used up.
 inline constexpr const char* kMemoryBudget = "MEMORY_BUDGET";
@@ -139,7 +140,7 @@ class MemoryAccount {
   }
   /// Whether one that holds so much leaves the part of what is small free.
   bool is_large(std::uint64_t bytes) const {
-    return parts_.small > 0 && bytes > budget_ / kLargeShare;
+    return parts_.small > 0 && bytes > std::min(budget_ / kLargeShare, kLarge);
   }
 
  private:

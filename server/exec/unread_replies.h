@@ -21,8 +21,12 @@ inline constexpr std::chrono::seconds kReplyTimeout{30};
 /// Threads: any, for every member.
 class UnreadReplies {
  public:
-  /// At most `bytes` of replies on the server. `memory` may be null.
-  explicit UnreadReplies(std::uint64_t bytes, MemoryAccount* memory = nullptr);
+  static constexpr std::uint64_t kSmall = std::uint64_t{64} << 10;
+
+  /// At most `bytes` of replies on the server, and beside them `for_small` of replies up to kSmall,
+  /// which have room whatever others hold. `memory` may be null.
+  explicit UnreadReplies(std::uint64_t bytes, MemoryAccount* memory = nullptr,
+                         std::uint64_t for_small = 0);
 
   /// A reply that its peer has not read; the destructor says that it has. It must be destroyed
   /// before its call's context, and outside of every lock that a reaction to the call's
@@ -54,10 +58,12 @@ class UnreadReplies {
   void end_late(CallRegistry::Clock::time_point now = CallRegistry::Clock::now()) {
     open_.end_late(now);
   }
-  std::uint64_t bytes() const { return admission_.in_flight().bytes; }
+  std::uint64_t bytes() const { return admission_.in_flight().bytes + small_.in_flight().bytes; }
 
  private:
-  Admission admission_;
+  Result<Admission::Ticket> admit(const Caller& caller, std::uint64_t bytes);
+
+  Admission admission_, small_;
   CallRegistry open_;
 };
 

@@ -78,15 +78,12 @@ void Reclaimer::reclaim(std::uint64_t bytes, bool for_large) {
   drop_unused_meshes(bytes, blobs::Unused::kStale);
   each_scene([](StoredScene& scene) { scene.drop_old_updates(); });
   if (!fits(bytes)) evict_pieces(bytes);
+  each_scene([this](StoredScene& scene) { tree_dropped(scene.drop_trees()); });
+  drop_unused_meshes(bytes, blobs::Unused::kAny);
   const auto in_use_since = StoredScene::Clock::now() - kInUse;
   const auto stays = [&](const StoredScene& scene) {
-    return for_large && scene.last_cast() > in_use_since &&
-           !memory_.is_large(bytes_of_scene(scene.snapshot()->node_count(), 0));
+    return for_large && scene.last_cast() > in_use_since && !is_large(*scene.snapshot());
   };
-  each_scene([&](StoredScene& scene) {
-    if (!stays(scene)) tree_dropped(scene.drop_trees());
-  });
-  drop_unused_meshes(bytes, blobs::Unused::kAny);
   while (!fits(bytes) && scenes_.unload_one(stays)) drop_unused_meshes(bytes, blobs::Unused::kAny);
   while (!fits(bytes) && pins_.end_one()) measure_alone();
   while (!fits(bytes) && blobs_.drop_idle()) {
@@ -111,6 +108,13 @@ void Reclaimer::drop_unused_meshes(std::uint64_t bytes, blobs::Unused which) {
 
 void Reclaimer::tree_dropped(std::uint64_t bytes) {
   if (bytes > 0) ++evictions_;
+}
+
+bool Reclaimer::is_large(const scenegraph::revision::Snapshot& scene) const {
+  std::uint64_t bytes = bytes_of_scene(scene.node_count(), 0);
+  if (memory_.is_large(bytes)) return true;  // and is not walked
+  for (const scenegraph::model::Mesh* mesh : scene.meshes()) bytes += mesh->bytes();
+  return memory_.is_large(bytes);
 }
 
 bool Reclaimer::fits(std::uint64_t bytes) const {

@@ -41,7 +41,7 @@ class Reclaimer {
   /// the trees of scenes, those first at which rays were cast longest ago; fresh meshes; scenes
   /// that no call uses and that can be read again, with their meshes; pins of old revisions that
   /// rest (RevisionPins::end_one()); uploads without progress. `for_large`: small scenes at which
-  /// rays were cast within kInUse stay, with their trees, and nothing is tried for kPause after it
+  /// rays were cast within kInUse stay, and nothing is tried for kPause after it
   /// was in vain: it walks all scenes. May take long; a second thread waits for the first.
   void reclaim(std::uint64_t bytes, bool for_large = false);
 
@@ -54,6 +54,7 @@ class Reclaimer {
  private:
   void measure_alone();
   bool fits(std::uint64_t bytes) const;
+  bool is_large(const scenegraph::revision::Snapshot& scene) const;
   void drop_unused_meshes(std::uint64_t bytes, blobs::Unused which);
   void tree_dropped(std::uint64_t bytes);
   std::uint64_t evict_pieces(std::uint64_t bytes);

@@ -66,6 +66,25 @@ TEST_F(Unloading, ScenesThatDoNotFitTogetherAreServedOneAfterAnother) {
   EXPECT_LE(used(), std::uint64_t{32} << 20);
 }
 
+TEST_F(Unloading, ASceneThatFillsTheBudgetLeavesSmallOnesInUse) {
+  api_.make_scene("projects/p/scenes/small", planar_sheet(20));
+  const std::string large = "projects/p/scenes/large";
+  ASSERT_TRUE(api_.create(large).ok());
+  std::vector<v1::Update> nodes;
+  for (int i = 1; i <= 3'000; ++i) nodes.push_back(put_node(-i));
+  int refused = 0;
+  for (int i = 0; i < 60; ++i) {
+    if (!api_.apply(large, nodes).ok()) ++refused;
+    v1::CastRaysResponse reply;
+    const grpc::Status cast =
+        api_.cast(cast_request("projects/p/scenes/small", rays_downward(10)), &reply);
+    ASSERT_TRUE(cast.ok()) << i << ": " << cast.error_message();
+    const grpc::Status written = api_.apply("projects/p/scenes/small", {put_node(-1)});
+    ASSERT_TRUE(written.ok()) << i << ": " << written.error_message();
+  }
+  EXPECT_GT(refused, 10);
+}
+
 TEST_F(Unloading, WhatWasWrittenIsThere) {
   for (int i = 0; i < kScenes; ++i) {
     make(i);

@@ -100,8 +100,9 @@ TEST(MemoryAccount, WhatIsRetiredDoesNotCountForABatch) {
   using accel::kdtree::TreeBytes;
   MemoryAccount memory(1000);
   memory.trees()->add(TreeBytes::kLists, 900);
-  memory.set_reclaim(
-      [&](std::uint64_t, bool) { memory.trees()->move(TreeBytes::kLists, TreeBytes::kRetired, 300); });
+  memory.set_reclaim([&](std::uint64_t, bool) {
+    memory.trees()->move(TreeBytes::kLists, TreeBytes::kRetired, 300);
+  });
   EXPECT_FALSE(memory.reclaim_and_charge(Held::kMeshes, 400));
   EXPECT_TRUE(memory.reclaim_and_charge_in_batch(Held::kMeshes, 400));
   const auto mesh = memory.reclaim_and_charge_in_batch(Held::kMeshes, 600);
@@ -128,7 +129,7 @@ TEST(MemoryAccount, ReclaimsOnlyWhereItIsNeededAndCanHelp) {
   EXPECT_EQ(asked, 1);
 }
 
-TEST(MemoryAccount, WhatIsLargeLeavesRoomForWhatIsSmall) {
+TEST(MemoryAccount, WhatIsLargeLeavesAPartForWhatIsSmall) {
   MemoryAccount memory(6400, {.small = 400});
   std::vector<bool> asked_for_large;
   memory.set_reclaim([&](std::uint64_t, bool for_large) { asked_for_large.push_back(for_large); });
