@@ -118,7 +118,8 @@ void Endpoint::accept(net::ListeningSockets listening) {
               [this] {
                 acceptor_failed_.store(true);
                 not_serving();
-              }});
+              },
+          .ended = [this] { return ended_connections_->take_addresses(); }});
 }
 
 Status Endpoint::accepts() const {

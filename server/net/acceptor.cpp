@@ -178,11 +178,20 @@ void Acceptor::take(int listener, Descriptor connection) try {
 }
 
 void Acceptor::hand_over_waiting() try {
+  const auto now = exec::TokenBucket::Clock::now();
+  if (events_.ended) {
+    for (const std::string& address : events_.ended()) {
+      exec::TokenBucket& pace = pace_of(address);
+      if (pace.wait(now) < kLongestWait) pace.take(kPerEnded);
+    }
+  }
   for (auto one = waiting_.begin(); one != waiting_.end();) {
-    if (!has_turn(one->address)) {
+    exec::TokenBucket& pace = pace_of(one->address);
+    if (!pace.open(now)) {
       ++one;
       continue;
     }
+    pace.take(1);
     events_.accepted(one->listener, std::move(one->connection));
     one = waiting_.erase(one);
   }
@@ -190,15 +199,13 @@ void Acceptor::hand_over_waiting() try {
   spdlog::warn("event=connections_wait reason=\"{}\"", thrown.what());
 }
 
-bool Acceptor::has_turn(const std::string& address) {
+exec::TokenBucket& Acceptor::pace_of(const std::string& address) {
   const auto now = exec::TokenBucket::Clock::now();
-  if (paces_.size() > kMaxPaces)
+  if (paces_.size() > kMaxPaces) {
     for (auto pace = paces_.begin(); pace != paces_.end();)
       pace = pace->second.full(now) ? paces_.erase(pace) : std::next(pace);
-  exec::TokenBucket& pace = paces_.try_emplace(address, kPerSecond, now).first->second;
-  const bool open = pace.open(now);
-  if (open) pace.take(1);
-  return open;
+  }
+  return paces_.try_emplace(address, kPerSecond, now).first->second;
 }
 
 }  // namespace sightline::server::net

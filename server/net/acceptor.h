@@ -1,6 +1,7 @@
 // Accepts connections, whatever the process runs out of.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -21,17 +22,24 @@ namespace sightline::server::net {
 /// is closed at once. A second descriptor of every socket tells when the connection is gone.
 ///
 /// Each connection costs a handshake, with TLS a millisecond. So connections of one address are
-/// handed over at a pace: those that come faster wait.
+/// handed over at a pace: those that come faster wait, the longer the more connections of the
+/// address were ended for what they sent.
 class Acceptor {
  public:
   /// Handed over of one address: a second, and at once.
   static constexpr std::uint64_t kPerSecond = 500;
+  /// One that is ended counts as so many.
+  static constexpr std::uint64_t kPerEnded = 100;
+  static constexpr std::chrono::seconds kLongestWait{10};
 
   struct Events {
     /// Takes a connection that does not block. Must not throw.
     std::function<void(int listener, Descriptor connection)> accepted;
     /// Nothing is accepted any more, but stop() was not called.
     std::function<void()> failed;
+    /// The addresses of connections that were ended for what they sent since the last call. Null:
+    /// none.
+    std::function<std::vector<std::string>()> ended = nullptr;
   };
 
   /// Accepts from now on. `limit`: connections open at a time, >= 1.
@@ -53,7 +61,7 @@ class Acceptor {
   void refuse_from(int listener);
   void take(int listener, Descriptor connection);
   void hand_over_waiting();
-  bool has_turn(const std::string& address);
+  exec::TokenBucket& pace_of(const std::string& address);
   void watch(int descriptor, unsigned events);
 
   std::vector<Descriptor> listeners_;

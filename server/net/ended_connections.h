@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "server/net/abuse.h"
 
@@ -18,6 +19,9 @@ class EndedConnections {
  public:
   /// Logs at most a line a second.
   void add(Abuse abuse, const std::string& peer);
+  /// The addresses of those that were ended since the last call, at most kMaxAddresses.
+  std::vector<std::string> take_addresses();
+  static constexpr std::size_t kMaxAddresses = 1'000;
   std::uint64_t count(Abuse abuse) const { return counts_[static_cast<std::size_t>(abuse)].load(); }
 
  private:
@@ -25,6 +29,7 @@ class EndedConnections {
   std::mutex mutex_;
   std::chrono::steady_clock::time_point logged_;  // protected by mutex_
   std::uint64_t unlogged_ = 0;                    // protected by mutex_
+  std::vector<std::string> addresses_;            // protected by mutex_
 };
 
 }  // namespace sightline::server::net

@@ -145,8 +145,8 @@ TEST(Suspended, OtherThreadsDoNotWait) {
   action.sa_flags = SA_SIGINFO | SA_RESTART;
   struct sigaction before {};
   ASSERT_EQ(sigaction(SIGUSR2, &action, &before), 0);
-  const auto soup = std::make_shared<const TestMesh>(tests::random_soup(150'000, 0.005, 3));
-  const auto sphere = std::make_shared<const TestMesh>(tests::icosphere(6));
+  const auto soup = std::make_shared<const TestMesh>(tests::random_soup(40'000, 0.01, 3));
+  const auto sphere = std::make_shared<const TestMesh>(tests::icosphere(5));
   for (const auto& shape : {soup, sphere}) {
     const std::vector<geometry::Ray> rays = tests::rays_at(*shape, 60, 8);
     const auto reference = make_tree(shape, mesh::References::kSoup);

@@ -36,7 +36,8 @@ class AcceptorTest : public testing::Test {
                                tests::send_bytes(connection, kWelcome);
                                accepted_.push_back(std::move(connection));
                              },
-                         .failed = [] { ADD_FAILURE(); }});
+                         .failed = [] { ADD_FAILURE(); },
+                         .ended = [this] { return std::exchange(ended_, {}); }});
   }
 
   /// As gRPC ends a connection.
@@ -47,6 +48,7 @@ class AcceptorTest : public testing::Test {
   }
 
   int port_ = 0;
+  std::vector<std::string> ended_;  // read while a connection waits
   std::mutex mutex_;
   std::vector<Descriptor> accepted_;
   std::unique_ptr<Acceptor> acceptor_;
@@ -124,6 +126,17 @@ TEST_F(AcceptorTest, ConnectionsOfOneAddressAreHandedOverAtAPace) {
   clients.front() = Descriptor();  // a client that gives up
   for (std::size_t i = 1; i < clients.size(); ++i)
     ASSERT_EQ(receive_bytes(clients[i]), kWelcome) << i;
+  EXPECT_GE(std::chrono::steady_clock::now() - began, std::chrono::milliseconds(900));
+}
+
+TEST_F(AcceptorTest, AnAddressWhoseConnectionsWereEndedWaits) {
+  ended_.assign(2 * Acceptor::kPerSecond / Acceptor::kPerEnded, "127.0.0.1");
+  start(10);
+  const auto began = std::chrono::steady_clock::now();
+  const Descriptor other = connect_tcp(port_, "127.0.0.2");
+  EXPECT_EQ(receive_bytes(other), kWelcome);
+  const Descriptor client = connect_tcp(port_);
+  EXPECT_EQ(receive_bytes(client), kWelcome);
   EXPECT_GE(std::chrono::steady_clock::now() - began, std::chrono::milliseconds(900));
 }
 
