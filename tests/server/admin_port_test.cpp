@@ -10,6 +10,7 @@
 #include "tests/server/support/http.h"
 #include "tests/server/support/live_server.h"
 #include "tests/support/scenes.h"
+#include "tests/support/sleep_shortly.h"
 
 namespace sightline::tests {
 namespace {
@@ -66,8 +67,7 @@ TEST_F(AdminPort, CountsCallsByTheirStatus) {
       "grpc_method=\"CreateScene\",grpc_service=\"sightline.v1.SceneService\",grpc_type=\"unary\"";
   EXPECT_EQ(metric("grpc_server_started_total{" + method + "}"), 2);
   // A call ends after its client has its status.
-  while (metric("grpc_server_handling_seconds_count{" + method + "}") < 2)
-    std::this_thread::yield();
+  while (metric("grpc_server_handling_seconds_count{" + method + "}") < 2) sleep_shortly();
   EXPECT_EQ(metric("grpc_server_handled_total{grpc_code=\"OK\"," + method + "}"), 1);
   EXPECT_EQ(metric("grpc_server_handled_total{grpc_code=\"INVALID_ARGUMENT\"," + method + "}"), 1);
 }
@@ -91,7 +91,7 @@ TEST_F(AdminPort, ShowsWhatIsHeldAndLimited) {
 TEST_F(AdminPort, IsNotReadyBeforeCallsAreRefused) {
   EXPECT_TRUE(get("/readyz").starts_with("HTTP/1.1 200 "));
   std::thread drain([this] { server_->drain(); });
-  while (get("/readyz").starts_with("HTTP/1.1 200 ")) std::this_thread::yield();
+  while (get("/readyz").starts_with("HTTP/1.1 200 ")) sleep_shortly();
   EXPECT_NE(get("/readyz").find("draining"), std::string::npos);
   EXPECT_TRUE(get("/livez").starts_with("HTTP/1.1 200 "));
   drain.join();

@@ -1,5 +1,6 @@
 // A program in a separate process.
 #include "tests/support/child_process.h"
+#include "tests/support/sleep_shortly.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -119,7 +120,7 @@ bool ChildProcess::catches(int signal) {
     }
     if (caught.empty()) return false;
     if ((std::strtoull(caught.c_str(), nullptr, 16) >> (signal - 1)) & 1) return true;
-    std::this_thread::yield();
+    sleep_shortly();
   }
 }
 

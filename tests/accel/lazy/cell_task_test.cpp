@@ -18,6 +18,7 @@
 #include "tests/accel/boxes.h"
 #include "tests/accel/check_tree.h"
 #include "tests/accel/lazy/gate.h"
+#include "tests/support/sleep_shortly.h"
 
 namespace sightline::accel::lazy {
 namespace {
@@ -219,7 +220,7 @@ TEST(CellTask, KeepsTheSourceAliveForAStoppedHelper) {
   });
   task->join();
   std::thread helper([task] { help(*task); });
-  while (!gate.taken()) std::this_thread::yield();
+  while (!gate.taken()) tests::sleep_shortly();
   task->leave();
   EXPECT_FALSE(watched.expired()) << "the stopped helper still reads it";
   gate.open();
@@ -238,7 +239,7 @@ TEST(CellTask, CalledThreadsReleaseTheSourceOfATreeThatIsGone) {
   // Calls may run long after all slices are done; if they did not, the test would hang.
   while (!source.expired()) {
     kdtree::reclaim();
-    std::this_thread::yield();
+    tests::sleep_shortly();
   }
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tests/accel/lazy/gate.h"
+#include "tests/support/sleep_shortly.h"
 
 namespace sightline::accel::lazy {
 namespace {
@@ -65,7 +66,7 @@ TEST(SharedSlices, ASliceThatThrewIsMadeByTheNextThreadThatNeedsIt) {
 class AStoppedThread : public ::testing::TestWithParam<int> {
  protected:
   AStoppedThread() {
-    while (!gate_.taken()) std::this_thread::yield();
+    while (!gate_.taken()) tests::sleep_shortly();
   }
   ~AStoppedThread() override {
     gate_.open();

@@ -17,6 +17,7 @@
 #include "accel/mesh/mesh_tree.h"
 #include "accel/published/any_builder.h"
 #include "tests/support/scenes.h"
+#include "tests/support/sleep_shortly.h"
 
 extern "C" {
 extern const char __executable_start;  // NOLINT: the linker's names
@@ -90,7 +91,7 @@ std::unique_ptr<mesh::MeshTree> make_tree(const std::shared_ptr<const TestMesh>&
 /// test.
 bool others_finish(const std::atomic<int>& finished, int others) {
   const auto limit = std::chrono::steady_clock::now() + std::chrono::minutes(2);
-  while (finished < others && std::chrono::steady_clock::now() < limit) std::this_thread::yield();
+  while (finished < others && std::chrono::steady_clock::now() < limit) tests::sleep_shortly();
   return finished >= others;
 }
 
@@ -145,8 +146,8 @@ TEST(Suspended, OtherThreadsDoNotWait) {
   action.sa_flags = SA_SIGINFO | SA_RESTART;
   struct sigaction before {};
   ASSERT_EQ(sigaction(SIGUSR2, &action, &before), 0);
-  const auto soup = std::make_shared<const TestMesh>(tests::random_soup(40'000, 0.01, 3));
-  const auto sphere = std::make_shared<const TestMesh>(tests::icosphere(5));
+  const auto soup = std::make_shared<const TestMesh>(tests::random_soup(150'000, 0.005, 3));
+  const auto sphere = std::make_shared<const TestMesh>(tests::icosphere(6));
   for (const auto& shape : {soup, sphere}) {
     const std::vector<geometry::Ray> rays = tests::rays_at(*shape, 60, 8);
     const auto reference = make_tree(shape, mesh::References::kSoup);
@@ -163,7 +164,7 @@ TEST(Suspended, OtherThreadsDoNotWait) {
   // Threads that were called may run late. What they hold is a leak to a process that ends before.
   while (soup.use_count() > 1 || sphere.use_count() > 1) {
     kdtree::reclaim();
-    std::this_thread::yield();
+    tests::sleep_shortly();
   }
   ASSERT_EQ(sigaction(SIGUSR2, &before, nullptr), 0);
   close(resume_pipe[0]);

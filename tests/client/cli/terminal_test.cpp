@@ -16,6 +16,7 @@
 #include "tests/client/support/silent_port.h"
 #include "tests/client/support/temp_dir.h"
 #include "tests/support/child_process.h"
+#include "tests/support/sleep_shortly.h"
 
 namespace sightline::client::cli {
 namespace {
@@ -218,7 +219,7 @@ TEST_F(InterruptedStream, EndsAfterAllAnswers) {
     const auto scene = client_.get_scene(tests::kScene);
     return scene && scene->revision > 10;
   };
-  while (!at_work()) std::this_thread::yield();
+  while (!at_work()) tests::sleep_shortly();
   program.signal(SIGINT);
   EXPECT_EQ(program.wait(), 130) << program.output();
   EXPECT_NE(program.output().find("\"complete\": false"), std::string::npos);

@@ -1,5 +1,6 @@
 // Samples of a scene that grows.
 #include "client/load/growth.h"
+#include "tests/support/sleep_shortly.h"
 
 #include <gtest/gtest.h>
 
@@ -20,7 +21,7 @@ TEST(Growth, SamplesFromTheBeginningToTheEnd) {
         return stats;
       },
       clock, std::chrono::microseconds(10));
-  while (built < 3) std::this_thread::yield();
+  while (built < 3) tests::sleep_shortly();
   const auto samples = sampler.finish();
   ASSERT_GE(samples.size(), 4u);
   EXPECT_EQ(samples.back().triangles_built, built);

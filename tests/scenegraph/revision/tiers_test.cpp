@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "tests/scenegraph/revision/row_of_nodes.h"
+#include "tests/support/sleep_shortly.h"
 
 namespace sightline::scenegraph::revision {
 namespace {
@@ -248,7 +249,7 @@ TEST(Merge, MissesNoChangeWhileTreesAreDropped) {
       begun = true;
       scene.merge_trees();
     });
-    while (!begun) std::this_thread::yield();
+    while (!begun) tests::sleep_shortly();
     for (int i = 0; i < 10 * round; ++i) std::this_thread::yield();
     if (round % 2 == 0) scene.drop_trees();
     ASSERT_TRUE(scene.apply({model::SetTransforms{{5}, {at(-50)}}}));

@@ -1,5 +1,6 @@
 // Flags that become true at a time.
 #include "server/exec/deadlines.h"
+#include "tests/support/sleep_shortly.h"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +18,7 @@ TEST(Deadlines, SetsAFlagWhoseTimeHasCome) {
   Deadlines deadlines;
   std::atomic<bool> flag{false};
   const Deadlines::Alarm alarm = deadlines.set(kPast, flag);
-  while (!flag) std::this_thread::yield();
+  while (!flag) tests::sleep_shortly();
 }
 
 TEST(Deadlines, LeavesOtherFlags) {
@@ -25,7 +26,7 @@ TEST(Deadlines, LeavesOtherFlags) {
   std::atomic<bool> late{false}, early{false};
   const Deadlines::Alarm later = deadlines.set(Clock::now() + kLong, late);
   const Deadlines::Alarm sooner = deadlines.set(Clock::now(), early);
-  while (!early) std::this_thread::yield();
+  while (!early) tests::sleep_shortly();
   EXPECT_FALSE(late);
 }
 
@@ -36,7 +37,7 @@ TEST(Deadlines, AnAlarmThatIsGoneTouchesNothing) {
     Deadlines::Alarm alarm = deadlines.set(Clock::now(), flag);
     alarm = {};
     const bool before = flag;
-    std::this_thread::yield();
+    tests::sleep_shortly();
     EXPECT_EQ(flag, before);
   }
 }
@@ -46,7 +47,7 @@ TEST(Deadlines, AnAlarmMayBeReplaced) {
   std::atomic<bool> flag{false};
   Deadlines::Alarm alarm = deadlines.set(Clock::now() + kLong, flag);
   alarm = deadlines.set(kPast, flag);
-  while (!flag) std::this_thread::yield();
+  while (!flag) tests::sleep_shortly();
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // Workers that run slices in fair turns.
 #include "server/exec/fair_workers.h"
+#include "tests/support/sleep_shortly.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -132,7 +133,7 @@ TEST_F(FairWorkersTest, IdleWorkersHelpWithParallelLoops) {
     std::atomic<int> inside{0};
     tbb::parallel_for(0, 2, [&](int) {
       ++inside;
-      while (inside < 2) std::this_thread::yield();
+      while (inside < 2) tests::sleep_shortly();
     });
     met.set_value();
     return false;

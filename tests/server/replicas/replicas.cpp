@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "tests/server/support/http.h"
+#include "tests/support/sleep_shortly.h"
 
 namespace sightline::tests {
 
@@ -108,7 +109,7 @@ grpc::Status nodes_at(Api& api, const std::string& token, const std::vector<std:
 }
 
 void wait_until(const std::function<bool()>& done) {
-  while (!done()) std::this_thread::yield();
+  while (!done()) sleep_shortly();
 }
 
 }  // namespace sightline::tests

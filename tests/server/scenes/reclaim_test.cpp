@@ -13,6 +13,7 @@
 #include "tests/scenegraph/put_node.h"
 #include "tests/server/blobs/blob_of.h"
 #include "tests/support/scenes.h"
+#include "tests/support/sleep_shortly.h"
 
 namespace sightline::server::scenes {
 namespace {
@@ -125,7 +126,7 @@ TEST_F(ReclaimerTest, AThreadEvictsWhenTreesRequestIt) {
   const EvictionThread evicting(reclaimer_, *memory_.trees());
   const auto others = memory_.record(Held::kNodes, memory_.budget());
   memory_.trees()->request_eviction();
-  while (memory_.trees()->evictions() == 0) std::this_thread::yield();
+  while (memory_.trees()->evictions() == 0) tests::sleep_shortly();
   scene->touch();
   const accel::geometry::Ray ray{{5, 5, 9}, {0, 0, -1}};
   accel::geometry::Hit hit;

@@ -15,6 +15,7 @@
 #include "server/shards/peers.h"
 #include "tests/client/support/temp_dir.h"
 #include "tests/server/support/fake_peers.h"
+#include "tests/support/sleep_shortly.h"
 
 namespace sightline::server::shards {
 namespace {
@@ -50,7 +51,7 @@ class PeerTest : public testing::Test {
   }
   template <class Done>
   static void wait_until(const Done& done) {
-    while (!done()) std::this_thread::yield();
+    while (!done()) tests::sleep_shortly();
   }
 
   PeerSettings settings() const {

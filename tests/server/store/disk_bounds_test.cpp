@@ -7,6 +7,7 @@
 #include "server/store/sqlite_store.h"
 #include "tests/server/store/directory.h"
 #include "tests/server/store/store_steps.h"
+#include "tests/support/sleep_shortly.h"
 
 namespace sightline::server::store {
 namespace {
@@ -48,7 +49,7 @@ TEST(DiskBounds, BoundsTheBytesOnDisk) {
   ASSERT_TRUE(store->remove_scene(scene).ok());
   for (int i = 0; i < 1000 && store->figures().bytes_on_disk > limits.disk_bytes / 2; ++i) {
     store->flush();
-    std::this_thread::yield();
+    tests::sleep_shortly();
   }
   const SceneId next = make_scene(*store, "b");
   Status again = append(*store, next, 0, std::string(100'000, 'x'));

@@ -10,6 +10,7 @@
 
 #include "tests/server/store/postgres/cutting_proxy.h"
 #include "tests/server/store/postgres/postgres_test.h"
+#include "tests/support/sleep_shortly.h"
 
 namespace sightline::server::store::postgres {
 namespace {
@@ -60,11 +61,11 @@ TEST_F(LostConnections, ACommitWithoutAServerIsDecidedWhenOneIsBack) {
                     ->append({scene, 0, "first", {}, {}, {}},
                              [&](const Status& done) { first.set_value(done); })
                     .ok());
-    while (!proxy.has_cut()) std::this_thread::yield();
+    while (!proxy.has_cut()) tests::sleep_shortly();
     // Until the writer notices, batches are queued, or there are too many.
     Status refused;
     do {
-      std::this_thread::yield();
+      tests::sleep_shortly();
       refused = store->append({scene, 1, "second", {}, {}, {}}, [](const Status&) {});
     } while (refused || reason_of(refused) == "TOO_MANY_COMMITS");
     EXPECT_EQ(reason_of(refused), "STORE_IO");
@@ -73,7 +74,7 @@ TEST_F(LostConnections, ACommitWithoutAServerIsDecidedWhenOneIsBack) {
     EXPECT_TRUE(first.get_future().get().ok());
     store->flush();
     // What reads fails at once for a while if it could not connect meanwhile.
-    while (!store->writable().ok()) std::this_thread::yield();
+    while (!store->writable().ok()) tests::sleep_shortly();
     EXPECT_EQ(log_of(*store, scene)->front(), "first");
   }
 }
@@ -89,7 +90,7 @@ TEST_F(LostConnections, AStoreThatEndsSaysThatItDoesNotKnow) {
                   ->append({scene, 0, "first", {}, {}, {}},
                            [&](const Status& done) { first.set_value(done); })
                   .ok());
-  while (!proxy.has_cut()) std::this_thread::yield();
+  while (!proxy.has_cut()) tests::sleep_shortly();
   store.reset();
   EXPECT_EQ(reason_of(first.get_future().get()), "OUTCOME_UNKNOWN");
   EXPECT_EQ(*log_of(*open(), scene), Strings{"first"});
@@ -107,7 +108,7 @@ TEST_F(LostConnections, GoesOnWhenTheServerIsBack) {
   EXPECT_EQ(reason_of(store->writable()), "STORE_IO");
   mine.start();
   EXPECT_TRUE(append(*store, scene, 1, "second").ok());
-  while (!store->writable()) std::this_thread::yield();
+  while (!store->writable()) tests::sleep_shortly();
   EXPECT_EQ(*log_of(*store, scene), (Strings{"first", "second"}));
 }
 
@@ -127,13 +128,13 @@ TEST_F(LostConnections, APromotedStandbyHasAllThatWasAcknowledged) {
       if (done) ++acknowledged;
     }
   });
-  while (acknowledged < kBatches / 2) std::this_thread::yield();
+  while (acknowledged < kBatches / 2) tests::sleep_shortly();
   primary.kill();
   EXPECT_EQ(reason_of(store->writable()), "STORE_IO");
   standby.promote();
   writer.join();
   // Reads fail at once for a while, as the one above could not connect.
-  while (!store->writable()) std::this_thread::yield();
+  while (!store->writable()) tests::sleep_shortly();
   const auto log = log_of(*store, scene);
   ASSERT_TRUE(log) << log.error().message;
   ASSERT_EQ(log->size(), kBatches);
