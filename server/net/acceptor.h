@@ -28,7 +28,7 @@ class Acceptor {
  public:
   /// Handed over of one address: a second, and at once.
   static constexpr std::uint64_t kPerSecond = 500;
-  /// One that is ended counts as so many.
+  /// A connection that was ended counts as this number of them.
   static constexpr std::uint64_t kPerEnded = 100;
   static constexpr std::chrono::seconds kLongestWait{10};
 
