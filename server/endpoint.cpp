@@ -21,8 +21,7 @@
 namespace sightline::server {
 namespace {
 
-/// gRPC buffers a message until it has arrived in full, even if it is over the limit. With less it
-/// would give up calls of few clients.
+/// gRPC buffers a message until it has arrived in full, even if it is over the limit.
 constexpr std::uint64_t kLeastForTransport = std::uint64_t{16} << 20;
 
 /// Between the end of the last call and the end of the connections, which clients may use to close

@@ -71,8 +71,9 @@ Result<scenegraph::Applied> StoredScene::apply_at_head(
   const Replaced replaced = bytes_replaced(*before, updates);
   if (needed->bytes() > 0) {
     // While there are readers of it, both revisions are held.
-    const Status fits = memory_.reclaim(
-        exec::Held::kPatches, needed->bytes() + replaced.bytes - replaced.meshes, nodes_.bytes());
+    const Status fits =
+        memory_.reclaim(exec::Held::kPatches, needed->bytes() + replaced.bytes - replaced.meshes,
+                        bytes_of_scene(before->node_count(), 0));
     if (!fits) return fits.error();
   }
   auto publication = std::make_shared<Publication>();
@@ -332,7 +333,8 @@ void StoredScene::settle_later(Dropped dropped, bool settle) noexcept {
           if (self == nullptr) return;
           self->free_dropped();
           // What could not be refused any more when it was recorded.
-          static_cast<void>(self->memory_.reclaim(exec::Held::kLogs, 0, self->nodes_.bytes()));
+          static_cast<void>(self->memory_.reclaim(
+              exec::Held::kLogs, 0, bytes_of_scene(self->snapshot()->node_count(), 0)));
           if (settle) self->scene_.merge_trees();
         });
   } catch (const std::bad_alloc&) {  // settles after a later update
