@@ -111,6 +111,8 @@ class Child {
       }
     }
     status_ = end();
+    const bool yielded = status_ && WIFSIGNALED(*status_) && WTERMSIG(*status_) == SIGSYS;
+    stuck_ = stuck_ || (replaceable_ && yielded);
   }
 
   bool stuck() const { return stuck_; }

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
@@ -159,6 +160,26 @@ TEST(Sandbox, ReplacesAChildThatWaitsForALockOfItsParent) {
       [&](Inside& inside) {
         inside.progress(0);
         lock.lock();
+        inside.write("out", 3);
+        inside.finish();
+      });
+  ASSERT_TRUE(outcome) << error_of(outcome);
+  EXPECT_EQ(text_of(*outcome), "out");
+  EXPECT_EQ(children, 3);
+}
+
+TEST(Sandbox, ReplacesAChildThatYieldsToAThreadOfItsParent) {
+  const TempDir dir;
+  std::atomic<bool> taken = true;
+  int children = 0;
+  const auto outcome = run(
+      dir.write("a.obj", ""), {},
+      [&](double) {
+        if (++children == 2) taken = false;
+      },
+      [&](Inside& inside) {
+        inside.progress(0);
+        while (taken) std::this_thread::yield();
         inside.write("out", 3);
         inside.finish();
       });
