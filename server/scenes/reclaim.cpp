@@ -60,7 +60,8 @@ std::uint64_t Reclaimer::evict_to_low_water() {
 
 void Reclaimer::reclaim(std::uint64_t bytes, bool for_large) {
   const std::lock_guard lock(mutex_);
-  if (for_large && StoredScene::Clock::now() < paused_until_) return;
+  const auto began = StoredScene::Clock::now();
+  if (for_large && began < paused_until_) return;
   accel::kdtree::reclaim();
   measure_alone();
   if (fits(bytes)) return;  // another thread has made room
@@ -80,7 +81,7 @@ void Reclaimer::reclaim(std::uint64_t bytes, bool for_large) {
   if (!fits(bytes)) evict_pieces(bytes);
   each_scene([this](StoredScene& scene) { tree_dropped(scene.drop_trees()); });
   drop_unused_meshes(bytes, blobs::Unused::kAny);
-  const auto in_use_since = StoredScene::Clock::now() - kInUse;
+  const auto in_use_since = began - kInUse;
   const auto stays = [&](const StoredScene& scene) {
     return for_large && scene.last_cast() > in_use_since && !is_large(*scene.snapshot());
   };
@@ -90,7 +91,11 @@ void Reclaimer::reclaim(std::uint64_t bytes, bool for_large) {
   }
   accel::kdtree::reclaim();
   measure_alone();
-  if (for_large && !fits(bytes)) paused_until_ = StoredScene::Clock::now() + kPause;
+  if (for_large && !fits(bytes)) {
+    const auto now = StoredScene::Clock::now();
+    paused_until_ =
+        now + std::min<StoredScene::Clock::duration>(kPauses * (now - began), kLongestPause);
+  }
   if (memory_.used() >= before) return;
   // Freed blocks in the middle of the heap are otherwise kept.
   malloc_trim(0);

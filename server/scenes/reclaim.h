@@ -23,7 +23,8 @@ void free_dropped_trees();
 class Reclaimer {
  public:
   static constexpr std::chrono::seconds kInUse{60};
-  static constexpr std::chrono::milliseconds kPause{100};
+  static constexpr int kPauses = 50;
+  static constexpr std::chrono::seconds kLongestPause{1};
 
   /// All arguments outlive this object.
   Reclaimer(exec::MemoryAccount& memory, SceneStore& scenes, blobs::BlobStore& blobs,
@@ -41,8 +42,9 @@ class Reclaimer {
   /// the trees of scenes, those first at which rays were cast longest ago; fresh meshes; scenes
   /// that no call uses and that can be read again, with their meshes; pins of old revisions that
   /// rest (RevisionPins::end_one()); uploads without progress. `for_large`: small scenes at which
-  /// rays were cast within kInUse stay, and nothing is tried for kPause after it
-  /// was in vain: it walks all scenes. May take long; a second thread waits for the first.
+  /// rays were cast within kInUse stay, and what was in vain is not tried
+  /// again for kPauses times as long as it took, for it walks all scenes; at most kLongestPause.
+  /// May take long; a second thread waits for the first.
   void reclaim(std::uint64_t bytes, bool for_large = false);
 
   /// Evicts pieces of trees until these are at their low water mark. Returns the bytes evicted.

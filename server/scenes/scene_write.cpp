@@ -32,7 +32,7 @@ std::vector<std::string> mesh_digests(const std::vector<scenegraph::model::Updat
 struct StoredScene::Publication {
   bool revises = true;  ///< Makes a revision.
   bool merge_trees = false;
-  exec::MemoryAccount::Charge new_nodes;  ///< Until they are in nodes_.
+  exec::MemoryAccount::Charge held;  ///< Until it is counted as what it has become.
   Replaced replaced;
   std::uint64_t names = 0;
   std::vector<scenegraph::model::Update> updates;
@@ -78,7 +78,8 @@ Result<scenegraph::Applied> StoredScene::apply_at_head(
   }
   auto publication = std::make_shared<Publication>();
   publication->replaced = replaced;
-  publication->new_nodes = memory_.record(exec::Held::kNodes, needed->nodes);
+  publication->held =
+      memory_.record(exec::Held::kNodes, needed->nodes + replaced.bytes - replaced.meshes);
   publication->names = bytes_of_names(updates);
   WriteLine::Prepared item;
   const auto prepare = [&](const scenegraph::Applied& next) {
@@ -220,7 +221,7 @@ void StoredScene::publish(Publication& publication) noexcept {
   const std::uint64_t names = name_bytes_ + publication.names;
   name_bytes_ = nodes == 0 ? 0 : names - std::min(names, replaced.names);
   nodes_.resize(bytes_of_scene(nodes, name_bytes_));
-  publication.new_nodes = {};
+  publication.held = {};
   answers_.retain(std::move(publication.answer));
   events_.notify();
   settle_later({std::move(dropped), std::move(unsettled), std::move(before)},

@@ -77,7 +77,9 @@ Result<std::unique_ptr<BlobWriter>> SqliteStore::write_blob(const blobs::BlobDig
   return parts_->blobs.write(digest);
 }
 
-bool SqliteStore::has_blob(const blobs::BlobDigest& digest) { return parts_->blobs.has(digest); }
+std::vector<bool> SqliteStore::has_blobs(std::span<const blobs::BlobDigest> digests) {
+  return parts_->blobs.has(digests);
+}
 
 Result<std::shared_ptr<const BlobBytes>> SqliteStore::blob(const blobs::BlobDigest& digest) {
   return parts_->blobs.get(digest);

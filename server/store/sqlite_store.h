@@ -24,7 +24,7 @@ class SqliteStore final : public RowStore {
   ~SqliteStore() override;
 
   Result<std::unique_ptr<BlobWriter>> write_blob(const blobs::BlobDigest& digest) override;
-  bool has_blob(const blobs::BlobDigest& digest) override;
+  std::vector<bool> has_blobs(std::span<const blobs::BlobDigest> digests) override;
   Result<std::shared_ptr<const BlobBytes>> blob(const blobs::BlobDigest& digest) override;
   Result<std::uint64_t> sweep(std::chrono::steady_clock::duration grace,
                               const std::function<bool(const blobs::BlobDigest&)>& in_use) override;

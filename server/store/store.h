@@ -241,8 +241,11 @@ class Store {
   /// Errors: kResourceExhausted (no disk left for it; it counts with its full size), kAlreadyExists
   /// (it is stored; as has_blob()).
   virtual Result<std::unique_ptr<BlobWriter>> write_blob(const blobs::BlobDigest& digest) = 0;
-  /// Whether the blob is stored. If so, its grace period begins anew.
-  virtual bool has_blob(const blobs::BlobDigest& digest) = 0;
+  /// Whether each blob is stored. If so, its grace period begins anew.
+  virtual std::vector<bool> has_blobs(std::span<const blobs::BlobDigest> digests) = 0;
+  bool has_blob(const blobs::BlobDigest& digest) {
+    return has_blobs(std::span(&digest, 1)).front();
+  }
   /// The blob, mapped. It is verified against its digest by the first call in the life of the
   /// store. Errors: kNotFound, kDataLoss (BLOB_CORRUPT).
   virtual Result<std::shared_ptr<const BlobBytes>> blob(const blobs::BlobDigest& digest) = 0;
@@ -276,16 +279,6 @@ class Store {
   virtual void watch(const Changed& /*changed*/) {}
   /// When it returns, `changed` is not running and will not be called.
   virtual void unwatch() {}
-
-  // --- Many at once.
-
-  /// has_blob() of each.
-  virtual std::vector<bool> has_blobs(std::span<const blobs::BlobDigest> digests) {
-    std::vector<bool> there;
-    there.reserve(digests.size());
-    for (const blobs::BlobDigest& digest : digests) there.push_back(has_blob(digest));
-    return there;
-  }
 };
 
 /// How late a commit of another process is noticed if its notice is lost.

@@ -12,6 +12,8 @@ namespace {
 
 /// Blobs that one transaction removes.
 constexpr std::size_t kRemovedAtOnce = 256;
+/// Blobs that one transaction looks for, while other readers wait.
+constexpr std::size_t kFoundAtOnce = 256;
 
 class MappedBlob final : public BlobBytes {
  public:
@@ -78,7 +80,8 @@ Status StoredBlobs::count() {
 }
 
 Result<std::unique_ptr<BlobWriter>> StoredBlobs::write(const blobs::BlobDigest& digest) {
-  if (has(digest)) return Error{Code::kAlreadyExists, digest.text() + " is stored", "BLOB_STORED"};
+  if (has(std::span(&digest, 1)).front())
+    return Error{Code::kAlreadyExists, digest.text() + " is stored", "BLOB_STORED"};
   if (const Status fits = budget_.admit(digest.size); !fits) return fits.error();
   auto fresh = files_.create();
   if (!fresh) return fresh.error();
@@ -113,20 +116,36 @@ void StoredBlobs::remember(const blobs::BlobDigest& digest, State state) {
   states_[digest] = state;
 }
 
-bool StoredBlobs::has(const blobs::BlobDigest& digest) {
+std::vector<bool> StoredBlobs::has(std::span<const blobs::BlobDigest> digests) {
   const std::shared_lock keep(removing_);
-  {
-    const std::lock_guard lock(mutex_);
-    const auto known = states_.find(digest);
-    // One that is damaged can be stored again.
-    if (known != states_.end() && known->second == State::kCorrupt) return false;
-    asked_[digest] = Clock::now();
-  }
-  const auto id = reader_([&](Database& database) { return find_blob(database, digest); });
-  if (id && *id) return true;
+  std::vector<bool> there = find(digests);
   const std::lock_guard lock(mutex_);
-  asked_.erase(digest);
-  return false;
+  for (std::size_t i = 0; i < digests.size(); ++i) {
+    if (!there[i]) continue;
+    const auto known = states_.find(digests[i]);
+    // One that is damaged can be stored again.
+    there[i] = known == states_.end() || known->second != State::kCorrupt;
+    if (there[i]) asked_[digests[i]] = Clock::now();
+  }
+  return there;
+}
+
+/// Which of them the table has: none where it cannot be read.
+std::vector<bool> StoredBlobs::find(std::span<const blobs::BlobDigest> digests) {
+  std::vector<bool> there(digests.size());
+  for (std::size_t first = 0; first < digests.size(); first += kFoundAtOnce) {
+    const std::size_t end = std::min(first + kFoundAtOnce, digests.size());
+    const auto found = reader_([&](Database& database) -> Result<std::size_t> {
+      for (std::size_t i = first; i < end; ++i) {
+        const auto id = find_blob(database, digests[i]);
+        if (!id) return id.error();
+        there[i] = id->has_value();
+      }
+      return end;
+    });
+    if (!found) std::fill_n(there.begin() + static_cast<std::ptrdiff_t>(first), end - first, false);
+  }
+  return there;
 }
 
 Result<std::shared_ptr<const BlobBytes>> StoredBlobs::get(const blobs::BlobDigest& digest) {

@@ -34,7 +34,7 @@ class StoredBlobs {
   Status count();
 
   Result<std::unique_ptr<BlobWriter>> write(const blobs::BlobDigest& digest);
-  bool has(const blobs::BlobDigest& digest);
+  std::vector<bool> has(std::span<const blobs::BlobDigest> digests);
   Result<std::shared_ptr<const BlobBytes>> get(const blobs::BlobDigest& digest);
   Result<std::uint64_t> sweep(std::chrono::steady_clock::duration grace,
                               const std::function<bool(const blobs::BlobDigest&)>& in_use);
@@ -49,6 +49,7 @@ class StoredBlobs {
   Status store(BlobFiles::Fresh& fresh, const blobs::BlobDigest& digest);
   void remember(const blobs::BlobDigest& digest, State state);
   void add(const blobs::BlobDigest& digest);
+  std::vector<bool> find(std::span<const blobs::BlobDigest> digests);
   bool is_recent(const blobs::BlobDigest& digest, Clock::time_point since) const;
   Status remove_rows(std::span<const BlobRow> rows, Clock::time_point since,
                      std::vector<blobs::BlobDigest>& removed);

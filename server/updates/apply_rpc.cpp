@@ -14,6 +14,7 @@
 
 #include "server/blobs/digest.h"
 #include "server/codec/update_codec.h"
+#include "server/exec/arena_messages.h"
 #include "server/exec/rpc_status.h"
 #include "server/scenes/write_errors.h"
 #include "server/updates/producer_messages.h"
@@ -55,7 +56,7 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
     auto work = services_.quotas.begin_work(caller_, 0, request_.ByteSizeLong());
     if (!work) return end(work.error());
     quota_ = std::move(*work);
-    auto ticket = services_.admission.admit(caller_, 0, request_.SpaceUsedLong());
+    auto ticket = services_.admission.admit(caller_, 0, exec::bytes_on_arena(request_));
     if (!ticket) return end(ticket.error());
     ticket_ = std::move(*ticket);
     begin();

@@ -266,7 +266,6 @@ grpc::ServerUnaryReactor* SceneRpc::BatchGetNodes(grpc::CallbackServerContext* c
 grpc::ServerUnaryReactor* SceneRpc::ApplyUpdates(grpc::CallbackServerContext* context,
                                                  const v1::ApplyUpdatesRequest* request,
                                                  v1::ApplyUpdatesResponse* reply) {
-  reply->Clear();  // it may be of an earlier call
   return start_apply(services_, *context, *request, *reply);
 }
 

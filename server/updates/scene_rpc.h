@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "server/exec/message_pool.h"
+#include "server/exec/arena_messages.h"
 #include "server/scenes/services.h"
 #include "sightline/v1/scene.grpc.pb.h"
 
@@ -71,7 +71,7 @@ class SceneRpc : public v1::SceneService::CallbackService {
                         v1::ListDeferredCellsResponse& reply);
 
   const scenes::Services services_;
-  exec::MessagePool<v1::ApplyUpdatesRequest, v1::ApplyUpdatesResponse> batches_;
+  exec::ArenaMessages<v1::ApplyUpdatesRequest, v1::ApplyUpdatesResponse> batches_;
 };
 
 }  // namespace sightline::server::updates

@@ -81,10 +81,6 @@ Result<std::unique_ptr<BlobWriter>> PostgresStore::write_blob(const blobs::BlobD
   return parts_->meshes.write(digest);
 }
 
-bool PostgresStore::has_blob(const blobs::BlobDigest& digest) {
-  return parts_->meshes.has(std::span(&digest, 1)).front();
-}
-
 std::vector<bool> PostgresStore::has_blobs(std::span<const blobs::BlobDigest> digests) {
   return parts_->meshes.has(digests);
 }

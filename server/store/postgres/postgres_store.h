@@ -27,7 +27,6 @@ class PostgresStore final : public RowStore {
   Status append(Batch batch, Done done) override;
 
   Result<std::unique_ptr<BlobWriter>> write_blob(const blobs::BlobDigest& digest) override;
-  bool has_blob(const blobs::BlobDigest& digest) override;
   std::vector<bool> has_blobs(std::span<const blobs::BlobDigest> digests) override;
   Result<std::shared_ptr<const BlobBytes>> blob(const blobs::BlobDigest& digest) override;
   Result<std::uint64_t> sweep(std::chrono::steady_clock::duration grace,
