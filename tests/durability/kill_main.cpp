@@ -1,6 +1,6 @@
 // Kills a server at random instants while it is written to, and checks what it keeps.
 //
-//   sightline-kills [--kills N] [--seed S] [--dir DIR] [--server PROGRAM] [--relaxed]
+//   sightline-kills [--kills N] [--seed S] [--dir DIR | --store URI] [--server PROGRAM] [--relaxed]
 #include <signal.h>
 #include <stdlib.h>
 
@@ -33,6 +33,7 @@ struct Options {
   int kills = 20;
   std::uint64_t seed = 1;
   std::string directory;
+  std::string store;
   std::string server = SIGHTLINED;
   bool relaxed = false;
 };
@@ -62,8 +63,10 @@ class Run {
  private:
   bool live_once(int round) {
     const Clock::time_point begun = Clock::now();
-    ChildProcess server(options_.server, {"--listen", "127.0.0.1:0", "--data-dir",
-                                          options_.directory, "--threads", "2"});
+    const bool is_shared = !options_.store.empty();
+    ChildProcess server(options_.server,
+                        {"--listen", "127.0.0.1:0", is_shared ? "--store" : "--data-dir",
+                         is_shared ? options_.store : options_.directory, "--threads", "2"});
     const int port = std::atoi(server.rest_of_line(" port=").c_str());
     if (port == 0) {
       findings_.add(findings_.other, "the server does not start: " + server.output());
@@ -172,11 +175,14 @@ int run(int argc, char** argv) {
   CLI::App app("Kills a server at random instants and checks what it keeps");
   app.add_option("--kills", options.kills)->check(CLI::PositiveNumber);
   app.add_option("--seed", options.seed);
-  app.add_option("--dir", options.directory, "Data directory; default: a temporary one");
+  auto* const directory =
+      app.add_option("--dir", options.directory, "Data directory; default: a temporary one");
+  app.add_option("--store", options.store, "An empty database of PostgreSQL, by its URI")
+      ->excludes(directory);
   app.add_option("--server", options.server);
   app.add_flag("--relaxed", options.relaxed, "Streams of durability RELAXED");
   CLI11_PARSE(app, argc, argv);
-  const bool temporary = options.directory.empty();
+  const bool temporary = options.directory.empty() && options.store.empty();
   if (temporary) {
     std::string pattern = (std::filesystem::temp_directory_path() / "sightline-kills-XXXXXX");
     if (mkdtemp(pattern.data()) == nullptr) return 1;
