@@ -24,6 +24,9 @@ namespace {
 /// gRPC buffers a message until it has arrived in full, even if it is over the limit.
 constexpr std::uint64_t kLeastForTransport = std::uint64_t{16} << 20;
 
+/// Bytes that a call may send before they are read: 10 MB a second at 100 ms.
+constexpr int kWindow = 1 << 20;
+
 /// Between the end of the last call and the end of the connections, which clients may use to close
 /// them themselves.
 constexpr std::chrono::milliseconds kGoodbye{100};
@@ -41,6 +44,10 @@ void configure(grpc::ServerBuilder& builder, const ServerConfig& config) {
   const std::uint64_t quota =
       std::max(exec::MemoryParts::of(config.memory_budget).transport, kLeastForTransport);
   builder.SetResourceQuota(grpc::ResourceQuota("sightline").Resize(quota));
+  // Windows that follow the speed of a client would take all of that for one that is fast, and its
+  // call would be given up.
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, kWindow);
   // gRPC 1.51 compares a message with its limit only after it was decompressed.
   builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
   builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);

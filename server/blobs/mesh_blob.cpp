@@ -2,9 +2,12 @@
 #include "server/blobs/mesh_blob.h"
 
 #include <fmt/format.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <bit>
+#include <cstdint>
 #include <cstring>
 #include <type_traits>
 
@@ -35,6 +38,18 @@ void store(std::vector<Row>& rows, std::uint64_t offset, std::span<const std::by
   if (bytes.empty()) return;
   rows.resize((offset + bytes.size() + kRow - 1) / kRow);
   std::memcpy(reinterpret_cast<std::byte*>(rows.data()) + offset, bytes.data(), bytes.size());
+}
+
+/// Memory that was used before may be resident: its whole pages are given back, and come again as
+/// rows arrive.
+template <class Row>
+void reserve_untouched(std::vector<Row>& rows, std::uint64_t count) {
+  rows.reserve(count);
+  const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+  const auto address = reinterpret_cast<std::uintptr_t>(rows.data());
+  const std::uintptr_t begin = (address + page - 1) / page * page;
+  const std::uintptr_t end = (address + rows.capacity() * sizeof(Row)) / page * page;
+  if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
 }
 
 }  // namespace
@@ -111,8 +126,8 @@ Status MeshBlobReader::read_header() {
                  "MESH_TOO_LARGE"};
   }
   positions_end_ = kMeshBlobHeader + vertices * kRow;
-  vertices_.reserve(vertices);
-  faces_.reserve(faces);
+  reserve_untouched(vertices_, vertices);
+  reserve_untouched(faces_, faces);
   return {};
 }
 

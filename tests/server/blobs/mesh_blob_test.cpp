@@ -2,10 +2,15 @@
 #include "server/blobs/mesh_blob.h"
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <cstring>
 #include <string>
+#include <vector>
 
+#include "server/exec/heap_trimmer.h"
 #include "tests/server/blobs/blob_of.h"
 #include "tests/support/scenes.h"
 
@@ -107,6 +112,23 @@ TEST(MeshBlob, RefusesCountsWhoseSumWrapsAround) {
   std::fill(blob.begin() + 8, blob.begin() + 24, '\xff');
   expect_bad(blob);
 }
+
+#ifndef __SANITIZE_ADDRESS__  // its allocator reuses nothing at once
+TEST(MeshBlob, WhatHasNotArrivedIsNotResident) {
+  constexpr int kScratch = 28 << 20;
+  ASSERT_EQ(::mallopt(M_MMAP_THRESHOLD, 32 << 20), 1);
+  ASSERT_EQ(::mallopt(M_TRIM_THRESHOLD, 64 << 20), 1);
+  { const std::vector<char> scratch(kScratch, 'x'); }
+  const std::uint64_t before = exec::resident_bytes();
+  const std::uint64_t rows = 2'000'000;
+  std::string header = blob_of({}).substr(0, 24);
+  std::memcpy(&header[8], &rows, sizeof(rows));
+  MeshBlobReader reader(header.size() + rows * 12);
+  ASSERT_TRUE(reader.append(bytes_of(header)));
+  EXPECT_LT(exec::resident_bytes() + rows * 10, before)
+      << "of the scratch nearly all is given back";
+}
+#endif
 
 TEST(MeshBlob, RefusesExtraBytes) {
   const std::string blob = blob_of(tests::cube());
