@@ -58,9 +58,9 @@ grpc::Status send_from(const Connection& connection, const MeshBlob& mesh,
 
 bool should_retry(const Error& error) {
   // The transport of a server short of memory gives up calls, without a reason.
-  const bool given_up = error.code == Code::kResourceExhausted && error.reason.empty();
+  const bool lost_in_transport = error.code == Code::kResourceExhausted && error.reason.empty();
   // Out of range: another client has added to the same upload meanwhile.
-  return error.code == Code::kUnavailable || error.code == Code::kOutOfRange || given_up;
+  return error.code == Code::kUnavailable || error.code == Code::kOutOfRange || lost_in_transport;
 }
 
 // Continues an earlier upload where it stopped. A mesh of one chunk is sent at once, because asking
