@@ -1,8 +1,8 @@
 // The way of a batch of rays through one revision. Start reading here.
 //
-//   trace_blocks   pins the trees of the revision and, for each block of rays, an epoch
-//   cast_rays      takes packets of rays through the trees, their instances and the meshes of those
-//   cast_ray       does so with one ray that a packet leaves
+//   trace_blocks   pins the trees of the revision, and cuts the rays into blocks
+//   cast_rays      pins an epoch for each block, and takes its packets through the trees, their
+//                  instances and the meshes of those (query/caster.h)
 //   trace, count_hits, list_hits   return the hits, their number or all of them
 //
 // Deferred cells on the way are expanded, searched or skipped as TraceOptions::growth says: see
@@ -10,19 +10,17 @@
 #include "scenegraph/trace.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <bit>
-#include <optional>
+#include <deque>
 #include <string>
 #include <utility>
 
 #include "accel/kdtree/epoch.h"
 #include "accel/kdtree/last_use.h"
-#include "scenegraph/query/packet_caster.h"
+#include "scenegraph/query/caster.h"
 #include "scenegraph/query/pencil_caster.h"
 #include "scenegraph/query/ray_blocks.h"
-#include "scenegraph/query/ray_caster.h"
 #include "scenegraph/query/scouts.h"
 
 namespace sightline::scenegraph {
@@ -35,23 +33,9 @@ using accel::geometry::RayColumns;
 using accel::kdtree::EpochPin;
 using accel::lazy::WhenPending;
 using accel::wide::kLanes;
-using query::PacketCaster;
+using query::Caster;
 using query::RayBlock;
-using query::RayCaster;
-using query::TreeEntry;
-
-/// One ray, with its answer in the caster. False: it is cancelled, or suspended because it needs a
-/// large cell that other threads are building.
-bool cast_ray(RayCaster& caster, QueryKind kind, const Ray& ray, WhenPending when_pending) {
-  caster.begin(kind, ray, when_pending);
-  for (TreeEntry* tree : caster.trees_by_entry()) {
-    caster.walk_instances(*tree, [&](const instances::Instance& instance) {
-      if (caster.enter_frame(instance)) caster.ask_mesh(instance, *tree);
-    });
-    if (caster.is_done()) break;
-  }
-  return caster.end();
-}
+using query::RayPacket;
 
 /// Runs answer(OpenTrees, RayBlock), which returns its TraceStats, for every block of a batch.
 template <class Answer>
@@ -67,7 +51,7 @@ Result<TraceStats> trace_blocks(const revision::Snapshot& snapshot, QueryKind ki
   const instances::OpenTrees trees = snapshot.trees();
   const auto answer_all = [&] {
     if (options.growth == Growth::kDemand)
-      *built += query::grow_for_batch(trees, rays, kind, options, cast_ray);
+      *built += query::grow_for_batch(trees, rays, kind, options);
     return query::run_blocks(rays.size, rays_per_block, options,
                              [&](const RayBlock& block) { return answer(trees, block); });
   };
@@ -76,131 +60,52 @@ Result<TraceStats> trace_blocks(const revision::Snapshot& snapshot, QueryKind ki
   return traced;
 }
 
-/// The rays of a block that packets have answered: a bit for each ray of a packet.
-using Answered = std::array<std::uint32_t, kRaysPerBlock / kLanes>;
-
-bool has(const Answered& answered, std::size_t ray) {
-  return (answered[ray / kLanes] >> ray % kLanes & 1) != 0;
-}
-
-/// Casts the other rays of a block one by one and calls keep(i, caster) where the answer to rays[i]
-/// is in the caster.
+/// Casts every ray. Calls keep(Caster, first, lanes) where the answers to the rays from the first
+/// on are in the caster that have a bit in `lanes`; pencils write theirs to the hits, if any.
 template <class Keep>
-TraceStats cast_alone(EpochPin& pin, const instances::OpenTrees& trees, QueryKind kind,
-                      const RayColumns& rays, const RayBlock& block, const Answered& answered,
-                      const TraceOptions& options, const Keep& keep) {
-  RayCaster caster(pin, trees, options);
-  answer_block(caster, block, options.cancelled, [&](std::size_t i, WhenPending when_pending) {
-    if (has(answered, i - block.first)) return true;
-    const Ray ray = rays[i];
-    const bool done = cast_ray(caster, kind, ray, when_pending);
-    if (done) keep(i, caster);
-    return done;
-  });
-  return caster.stats();
-}
-
-/// Asks for memory that is read later, or written. Always inline: GCC drops calls of functions that
-/// only prefetch.
-template <bool kWritten>
-[[gnu::always_inline]] inline void prefetch(const std::byte* begin, const std::byte* end) {
-  constexpr std::ptrdiff_t kLine = 64;
-  for (; begin < end; begin += kLine) __builtin_prefetch(begin, kWritten);
-}
-
-/// Pencils of the rays of a batch, which write their hits.
-class HitPencils {
- public:
-  HitPencils(EpochPin& pin, const instances::OpenTrees& trees, const TraceOptions& options,
-             const RayColumns& rays, const HitColumns& hits)
-      : caster_(pin, trees, options, rays, hits), rays_(rays), hits_(hits) {}
-
-  /// Returns a bit for each packet of these rays that is answered.
-  std::uint32_t cast(std::size_t first, std::size_t count) {
-    // Structs begin with these columns; the processor foresees narrower ones.
-    const std::size_t next = first + count, end = std::min(next + query::kPencilRays, rays_.size);
-    prefetch<false>(rays_.origin[0].at(next), rays_.origin[0].at(end));
-    if (hits_.t.is_asked()) prefetch<true>(hits_.t.at(next), hits_.t.at(end));
-    return caster_.cast(first, count);
-  }
-  const TraceStats& stats() const { return caster_.stats(); }
-
- private:
-  query::PencilCaster caster_;
-  const RayColumns& rays_;
-  const HitColumns& hits_;
-};
-
-struct NoPencils {
-  static std::uint32_t cast(std::size_t, std::size_t) { return 0; }
-  static TraceStats stats() { return {}; }
-};
-
-/// Casts every ray, in packets as far as those go, or in make_pencils(EpochPin, OpenTrees). Calls
-/// keep(first, answered, PacketCaster) where the answers to the rays from the first on are in the
-/// caster that have a bit in `answered`, and keep_alone(i, RayCaster) for each of the others.
-template <class MakePencils, class Keep, class KeepAlone>
 Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
-                             const RayColumns& rays, const TraceOptions& options,
-                             const MakePencils& make_pencils, const Keep& keep,
-                             const KeepAlone& keep_alone) {
+                             const RayColumns& rays, const HitColumns* hits,
+                             const TraceOptions& options, const Keep& keep) {
   const auto answer = [&](const instances::OpenTrees& trees, const RayBlock& block) {
     EpochPin pin;
-    PacketCaster caster(pin, trees, kind, options);
-    auto pencils = make_pencils(pin, trees);
-    Answered answered{};
-    bool all = true;
-    std::uint32_t in_pencils = 0;  // a bit for each of the next packets
+    Caster caster(pin, trees, kind, options);
+    query::PencilCaster pencils(pin, trees, options, rays, hits);
+    const auto cast = [&](const RayPacket& packet, WhenPending when_pending) {
+      const std::uint32_t answered = caster.cast(rays, packet, when_pending);
+      if (answered != 0) keep(caster, packet.first, answered);
+      return packet.lanes & ~answered;
+    };
+    std::deque<RayPacket> postponed;
     for (std::size_t i = block.first; i < block.end && !is_cancelled(options.cancelled);
-         i += kLanes, in_pencils >>= 1) {
-      if ((i - block.first) % query::kPencilRays == 0)
-        in_pencils = pencils.cast(i, std::min(query::kPencilRays, block.end - i));
-      const std::size_t count = std::min(kLanes, block.end - i);
-      const auto every = static_cast<std::uint32_t>((std::uint64_t{1} << count) - 1);
-      std::uint32_t done = every;
-      if ((in_pencils & 1) == 0) {
-        done = caster.cast(rays, {i, count});
-        keep(i, done, caster);
-      }
-      answered[(i - block.first) / kLanes] = done;
-      all &= done == every;
+         i += kLanes) {
+      RayPacket packet{i, std::min(kLanes, block.end - i)};
+      if (pencils.answers(packet, block.end)) continue;
+      packet.lanes = cast(packet, WhenPending::kReturn);
+      if (packet.lanes != 0) postponed.push_back(packet);
     }
+    query::answer_postponed(postponed, caster, options.cancelled, cast);
     TraceStats stats = caster.stats();
-    stats += pencils.stats();
-    if (!all) stats += cast_alone(pin, trees, kind, rays, block, answered, options, keep_alone);
-    return stats;
+    return stats += pencils.stats();
   };
   return trace_blocks(snapshot, kind, rays, kRaysPerBlock, options, answer);
 }
-
-NoPencils no_pencils(EpochPin&, const instances::OpenTrees&) { return {}; }
 
 /// Appends the hits of the rays of a block, in order.
 TraceStats list_block(const instances::OpenTrees& trees, const RayColumns& rays,
                       const RayBlock& block, std::span<RayTally> tallies, std::vector<Hit>& hits,
                       const TraceOptions& options) {
   EpochPin pin;
-  PacketCaster caster(pin, trees, QueryKind::kAll, options);
-  std::optional<RayCaster> alone;
-  for (std::size_t first = block.first; first < block.end; first += kLanes) {
+  Caster caster(pin, trees, QueryKind::kAll, options);
+  for (std::size_t i = block.first; i < block.end; i += kLanes) {
     if (is_cancelled(options.cancelled)) break;
-    const std::size_t end = std::min(first + kLanes, block.end);
-    const std::uint32_t answered = caster.cast(rays, {first, end - first});
-    for (std::size_t i = first; i < end; ++i) {
-      if ((answered >> (i - first) & 1) != 0) {
-        tallies[i] = caster.list(i - first, hits);
-        continue;
-      }
-      if (is_cancelled(options.cancelled)) continue;
-      if (!alone) alone.emplace(pin, trees, options);
-      const Ray ray = rays[i];
-      if (cast_ray(*alone, QueryKind::kAll, ray, WhenPending::kWait))
-        tallies[i] = alone->list(hits);
+    const RayPacket packet{i, std::min(kLanes, block.end - i)};
+    const std::uint32_t answered = caster.cast(rays, packet, WhenPending::kWait);
+    for (std::uint32_t left = answered; left != 0; left &= left - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+      tallies[i + lane] = caster.list(lane, hits);
     }
   }
-  TraceStats stats = caster.stats();
-  if (alone) stats += alone->stats();
-  return stats;
+  return caster.stats();
 }
 
 /// The stats of a batch, with the rays that have no answer.
@@ -239,18 +144,11 @@ Result<TraceStats> trace(const revision::Snapshot& snapshot, const RayColumns& r
   if (const Status good = check_sizes(rays.size, hits.size); !good) return good.error();
   if (options.kind != QueryKind::kClosest && options.kind != QueryKind::kAny)
     return Error{Code::kInvalidArgument, "trace() answers closest and any", "UNKNOWN_KIND"};
-  // Rays that are answered alone set only their own bits.
+  // Packets set only their own bits.
   if (hits.bits != nullptr) std::fill_n(hits.bits, (hits.size + 7) / 8, std::uint8_t{0});
   if (options.partial) mark_unanswered(hits);
-  auto traced = cast_rays(
-      snapshot, options.kind, rays, options,
-      [&](EpochPin& pin, const instances::OpenTrees& trees) {
-        return HitPencils(pin, trees, options, rays, hits);
-      },
-      [&](std::size_t, std::uint32_t answered, PacketCaster& caster) {
-        if (answered != 0) caster.write(hits);
-      },
-      [&](std::size_t i, const RayCaster& caster) { hits.set(i, caster.hit()); });
+  auto traced = cast_rays(snapshot, options.kind, rays, &hits, options,
+                          [&](Caster& caster, std::size_t, std::uint32_t) { caster.write(hits); });
   return with_unanswered(std::move(traced), rays.size, options);
 }
 
@@ -263,15 +161,13 @@ Result<TraceStats> count_hits(const revision::Snapshot& snapshot, const RayColum
                               std::span<RayTally> tallies, const TraceOptions& options) {
   if (const Status good = check_sizes(rays.size, tallies.size()); !good) return good.error();
   if (options.partial) mark_unanswered(tallies, kUnansweredCount);
-  auto traced = cast_rays(
-      snapshot, QueryKind::kCount, rays, options, no_pencils,
-      [&](std::size_t first, std::uint32_t answered, PacketCaster& caster) {
-        for (; answered != 0; answered &= answered - 1) {
-          const auto lane = static_cast<std::size_t>(std::countr_zero(answered));
-          tallies[first + lane] = caster.count(lane);
-        }
-      },
-      [&](std::size_t i, RayCaster& caster) { tallies[i] = caster.count(); });
+  auto traced = cast_rays(snapshot, QueryKind::kCount, rays, nullptr, options,
+                          [&](Caster& caster, std::size_t first, std::uint32_t lanes) {
+                            for (; lanes != 0; lanes &= lanes - 1) {
+                              const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+                              tallies[first + lane] = caster.count(lane);
+                            }
+                          });
   return with_unanswered(std::move(traced), rays.size, options);
 }
 
@@ -320,9 +216,8 @@ Status grow_for_rays(const revision::Snapshot& snapshot, std::span<const Ray> ra
   while (!rays.empty()) {
     const auto part = rays.first(std::min(rays.size(), kRaysPerReport));
     rays = rays.subspan(part.size());
-    const auto cast = cast_rays(
-        snapshot, kind, columns_of(part), options, no_pencils,
-        [](std::size_t, std::uint32_t, PacketCaster&) {}, [](std::size_t, RayCaster&) {});
+    const auto cast = cast_rays(snapshot, kind, columns_of(part), nullptr, options,
+                                [](Caster&, std::size_t, std::uint32_t) {});
     if (!cast) return cast.error();
     progress.add(cast->cells_expanded, cast->build_seconds);
     progress.rays_done += part.size();

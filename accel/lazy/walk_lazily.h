@@ -19,19 +19,16 @@ namespace sightline::accel::lazy {
 enum class OnDeferred : std::uint8_t {
   kExpand,  ///< Build it, or help to; search its list while other threads build a small one.
   kDemand,  ///< As kExpand where that pays (LazyTree::searches), else as kScan.
-  kWait,    ///< In trees over faces, report it and stop; in others as kExpand.
+  kWait,    ///< In trees over faces, wait there (LazyQuery::awaited); in others as kExpand.
   kScan,    ///< Do not expand; test the references whose boxes the ray meets.
   kSkip,    ///< Skip it.
 };
 
-/// Receives the cells at which a ray waits (OnDeferred::kWait).
-class WaitingRays {
- public:
-  virtual ~WaitingRays() = default;
-  /// `owner`: of the tree, if it has one; see OwnedTree.
-  virtual void wait_at(LazyTree& tree, kdtree::AtomicSlot& slot, kdtree::RefCounted* owner) = 0;
-  /// The ray comes to a tree that rays have paid for (LazyTree::has_paid_for_all).
-  virtual void wait_for_all(LazyTree& tree, kdtree::RefCounted* owner) = 0;
+/// Where a ray waits (OnDeferred::kWait).
+struct Awaited {
+  LazyTree* tree = nullptr;            ///< Null: it does not wait.
+  kdtree::AtomicSlot* slot = nullptr;  ///< Null: it waits for all of a tree that rays have paid for
+                                       ///< (LazyTree::has_paid_for_all).
 };
 
 /// The part of a query that concerns cells that are not built.
@@ -40,11 +37,11 @@ struct LazyQuery {
   WhenPending when_pending = WhenPending::kWait;
   bool saw_deferred = false;  ///< A cell was skipped, or its list was searched.
   /// With WhenPending::kReturn: the walk met a large cell that other threads build, and stopped.
-  /// Ask again, with a fresh query, when `progress` has increased. With OnDeferred::kWait: it
-  /// waits.
+  /// Ask again, with a fresh query, when `progress` has increased. With OnDeferred::kWait: the
+  /// walk stopped at `awaited`.
   bool suspended = false;
-  WaitingRays* waiting = nullptr;  ///< For OnDeferred::kWait.
-  std::uint64_t progress = 0;      ///< Of that cell.
+  Awaited awaited;
+  std::uint64_t progress = 0;  ///< Of that cell.
   /// The walking thread's pin; renewed after cells were built, so that their old lists are freed.
   /// Null: it is not renewed.
   kdtree::EpochPin* pin = nullptr;
@@ -56,6 +53,11 @@ struct LazyQuery {
   const std::atomic<bool>* cancelled = nullptr;
 
   bool is_cancelled() const { return is_set(cancelled); }
+
+  void wait_at(LazyTree& tree, kdtree::AtomicSlot* slot) {
+    awaited = {&tree, slot};
+    suspended = true;
+  }
 
   void renew_pin() {
     if (pin == nullptr || searches_list) return;
@@ -110,8 +112,7 @@ struct LazyVisit {
 
   kdtree::DeferredAction deferred(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell) {
     if (query.on_deferred == OnDeferred::kWait && tree.is_over_faces()) {
-      query.waiting->wait_at(tree, slot, query.owner);
-      query.suspended = true;
+      query.wait_at(tree, &slot);
       return kdtree::DeferredAction::kStop;
     }
     if (expands(cell)) {

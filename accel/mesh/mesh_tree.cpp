@@ -35,8 +35,7 @@ void MeshTree::query(MeshQuery& query, kdtree::WalkCounters& walked, kdtree::Bui
   LeafTest test{mesh_, query, ray, walked};
   if (auto* lazy = std::get_if<lazy::LazyTree>(&tree_)) {
     if (query.on_deferred == OnDeferred::kWait && lazy->has_paid_for_all()) {
-      query.waiting->wait_for_all(*lazy, query.owner);
-      query.suspended = true;
+      query.wait_at(*lazy, nullptr);
       return;
     }
     lazy->count_rays(1);
@@ -53,7 +52,6 @@ void MeshTree::query(MeshQuery& query, kdtree::WalkCounters& walked, kdtree::Bui
 void MeshTree::query(wide::Packet& packet, std::uint32_t lanes, const PacketQuery& query) {
   auto* tree = std::get_if<lazy::LazyTree>(&tree_);
   if (tree != nullptr && tree->makes_blocks()) {
-    tree->count_rays(static_cast<std::uint64_t>(std::popcount(lanes)));
     lanes = query_packet({query, *tree, mesh_}, packet, lanes);
   }
   ask_each(query, packet, lanes,

@@ -71,6 +71,12 @@ bool enter_tree(const PacketWalk& walk, const MeshQuery& query, kdtree::TreeRay&
                tmax / query.ray.unit, ray);
 }
 
+/// All rays of the packet stop.
+void wait_at(const PacketWalk& walk, wide::Packet& packet, kdtree::AtomicSlot* slot) {
+  walk.lazy.wait_at(walk.tree, slot);
+  packet.stopped = true;
+}
+
 /// Rays of a packet that search a cell together, so that its list is read once.
 class PacketSearch {
  public:
@@ -143,6 +149,10 @@ class UnfinishedSlots final : public wide::SlotVisitor {
   bool visit(kdtree::AtomicSlot& slot, std::uint32_t lanes) override {
     const kdtree::Slot now = kdtree::load(slot);
     if (now == kdtree::Slot::empty_leaf()) return false;
+    if (now.is_deferred() && walk_.lazy.on_deferred == lazy::OnDeferred::kWait) {
+      wait_at(walk_, packet_, &slot);
+      return false;
+    }
     if (now.is_deferred()) {
       if (searches(*now.cell(), lanes)) {
         search(*now.cell(), lanes);
@@ -211,9 +221,7 @@ LaneQuery::LaneQuery(const PacketQuery& of, wide::Packet& packet, std::size_t la
   if (!of.sinks.empty()) static_cast<HitSinks&>(query) = of.sinks[lane];
   query.saw_deferred = false;
   const wide::Rays& rays = packet.rays;
-  query.ray = {{rays.origin[0][lane], rays.origin[1][lane], rays.origin[2][lane]},
-               {rays.direction[0][lane], rays.direction[1][lane], rays.direction[2][lane]},
-               rays.unit[lane]};
+  query.ray = wide::ray_of(rays, lane);
   query.tmin = rays.tmin[lane];
   query.tmax = rays.tmax[lane];
   query.culling = packet.culling;
@@ -249,6 +257,12 @@ void LaneQuery::write_back() {
 
 std::uint32_t query_packet(const PacketWalk& walk, wide::Packet& packet, std::uint32_t lanes) {
   const wide::Prepared prepared = wide::prepare(packet, *walk.tree.frame(), lanes);
+  if (walk.lazy.on_deferred == lazy::OnDeferred::kWait && prepared.live != 0 &&
+      walk.tree.has_paid_for_all()) {
+    wait_at(walk, packet, nullptr);
+    return 0;
+  }
+  walk.tree.count_rays(static_cast<std::uint64_t>(std::popcount(lanes)));
   // A thread that has renewed its pin may not go on in nodes that are replaced meanwhile.
   const wide::Child entry = walk.tree.entry();
   const bool searched_before =

@@ -109,8 +109,11 @@ HWY_INLINE void put_bits(const Outcome& outcome, std::uint32_t found, const HitC
                          std::size_t first) {
   if (hits.bits == nullptr) return;
   const std::uint32_t set = found & outcome.answered;
-  for (std::size_t lane = 0; lane < kLanes && first + lane < hits.size; lane += 8)
-    hits.bits[(first + lane) / 8] = static_cast<std::uint8_t>(set >> lane);
+  for (std::size_t lane = 0; lane < kLanes && first + lane < hits.size; lane += 8) {
+    std::uint8_t& byte = hits.bits[(first + lane) / 8];
+    const std::uint32_t kept = byte & ~(outcome.answered >> lane);
+    byte = static_cast<std::uint8_t>(kept | set >> lane);
+  }
 }
 
 void write_fields(const Outcome& outcome, const HitColumns& hits, std::size_t first) {

@@ -21,7 +21,7 @@ struct Outcome {
 
 /// Writes all asked fields of answered rays to the rows `first` and following; `first` is a
 /// multiple of kLanes. Weights and normals are zero, for others to replace. Bits of rays that are
-/// not answered are cleared.
+/// not answered stay.
 void write(const Outcome& outcome, const geometry::HitColumns& hits, std::size_t first);
 
 }  // namespace sightline::accel::wide

@@ -8,6 +8,7 @@
 
 #include "accel/geometry/aabb.h"
 #include "accel/geometry/facing.h"
+#include "accel/geometry/local_ray.h"
 
 namespace sightline::accel::wide {
 
@@ -24,6 +25,13 @@ struct Rays {
   Column<double> unit;
   Column<double> tmin, tmax;
 };
+
+/// One of them.
+inline geometry::LocalRay ray_of(const Rays& rays, std::size_t lane) {
+  return {{rays.origin[0][lane], rays.origin[1][lane], rays.origin[2][lane]},
+          {rays.direction[0][lane], rays.direction[1][lane], rays.direction[2][lane]},
+          rays.unit[lane]};
+}
 
 /// The best hits, by (t, node, primitive); t in units of the caller's direction. `found` has a bit
 /// for each ray with a hit. Others have the greatest t and node, so that any hit is better.

@@ -21,6 +21,10 @@ struct Instance {
   std::uint32_t index = 0;  ///< Among Instances.
   const model::Mesh* mesh = nullptr;
   std::atomic<bool>* entered = nullptr;
+
+  void mark_entered() const {
+    if (!entered->load(std::memory_order_relaxed)) entered->store(true, std::memory_order_relaxed);
+  }
 };
 
 }  // namespace sightline::scenegraph::instances

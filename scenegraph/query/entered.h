@@ -1,4 +1,4 @@
-// Which instances a ray has entered: an instance lies in several cells of the scene's tree.
+// Which instances rays have entered: an instance lies in several cells of the scene's tree.
 #pragma once
 
 #include <algorithm>
@@ -9,23 +9,32 @@
 
 namespace sightline::scenegraph::query {
 
-/// The last few. A forgotten one costs only time: a hit is then found twice.
-class RecentlyEntered {
+/// The instances that the rays of a packet entered last. A forgotten one costs only time: a hit is
+/// then found twice.
+class RecentLanes {
  public:
-  bool contains_or_add(std::uint32_t id) {
-    for (const std::uint32_t seen : ids_) {
-      if (seen == id) return true;
+  /// Those of `lanes` that have not entered the instance, which they do now.
+  std::uint32_t add(std::uint32_t id, std::uint32_t lanes) {
+    for (Entry& entry : entries_) {
+      if (entry.lanes == 0 || entry.id != id) continue;
+      const std::uint32_t fresh = lanes & ~entry.lanes;
+      entry.lanes |= lanes;
+      return fresh;
     }
-    ids_[next_++ % ids_.size()] = id;
-    return false;
+    entries_[next_++ % entries_.size()] = {id, lanes};
+    return lanes;
   }
 
  private:
-  std::array<std::uint32_t, 8> ids_{~0u, ~0u, ~0u, ~0u, ~0u, ~0u, ~0u, ~0u};
+  struct Entry {
+    std::uint32_t id = 0, lanes = 0;
+  };
+  std::array<Entry, 16> entries_;
   std::size_t next_ = 0;
 };
 
-/// All of them, for counting hits. A hash table that keeps its memory for the next ray.
+/// All that a ray has entered, for counting hits. A hash table that keeps its memory for the next
+/// ray.
 class EnteredOnce {
  public:
   /// Forgets all, in constant time.

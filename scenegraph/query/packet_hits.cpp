@@ -39,7 +39,7 @@ void write_surfaces(const CastPacket& packet, const instances::OpenTrees& trees,
     const auto lane = static_cast<std::size_t>(std::countr_zero(left));
     const instances::Instance& instance = trees[best.instance[lane]];
     if (!packet.trees_kept || best.block[lane] == nullptr) {
-      const std::size_t row = packet.range.first + lane;
+      const std::size_t row = packet.first + lane;
       Hit hit;
       hit.t = best.t[lane];
       hit.primitive = best.primitive[lane];
@@ -59,7 +59,7 @@ void write_surfaces(const CastPacket& packet, const instances::OpenTrees& trees,
       hit.v = surfaces.v[i];
       if ((surfaces.no_normal >> i & 1) == 0)
         hit.normal = {surfaces.normal[0][i], surfaces.normal[1][i], surfaces.normal[2][i]};
-      write_surface(hit, hits, packet.range.first + i);
+      write_surface(hit, hits, packet.first + i);
     }
   }
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "accel/geometry/hit_columns.h"
 #include "accel/geometry/ray_columns.h"
@@ -11,16 +12,21 @@
 
 namespace sightline::scenegraph::query {
 
-/// Rays of a batch, at most wide::kLanes of them.
-struct PacketRange {
+/// Neighbouring rays of a batch, at most wide::kLanes of them.
+struct RayPacket {
   std::size_t first = 0, count = 0;
+  std::uint32_t lanes = first_lanes(count);  ///< Those that take part.
+
+  static constexpr std::uint32_t first_lanes(std::size_t count) {
+    return static_cast<std::uint32_t>((std::uint64_t{1} << count) - 1);
+  }
 };
 
 /// A packet that has been cast for the closest hits.
 struct CastPacket {
   const accel::wide::GivenRays& given;
   const accel::wide::Outcome& outcome;
-  PacketRange range;
+  std::size_t first = 0;    ///< The packet's first ray.
   bool trees_kept = false;  ///< Blocks that hits lie in are still there.
 };
 

@@ -6,8 +6,6 @@
 #include "accel/lazy/lazy_tree.h"
 #include "accel/mesh/mesh_tree.h"
 #include "accel/wide/carry.h"
-#include "scenegraph/query/on_deferred.h"
-#include "scenegraph/query/selection.h"
 
 namespace sightline::scenegraph::query {
 namespace {
@@ -26,36 +24,28 @@ const instances::Instance* find_only(const instances::OpenTrees& trees,
   const instances::Instances& tree = holder.instances;
   const accel::kdtree::Slot root = accel::kdtree::load(tree.tree().root());
   if (!root.is_leaf() || root.leaf_count() != 1) return nullptr;
-  if (holder.removed != nullptr && holder.removed->has(0)) return nullptr;
-  if (options.selection != nullptr && !options.selection->selects(0)) return nullptr;
-  return &tree[root.leaf_first()];
+  return is_seen(holder, 0, options.selection) ? &tree[0] : nullptr;
 }
 
-/// The rays of a packet that see an instance.
-std::uint32_t seeing(const accel::geometry::MaskColumn& masks, PacketRange range,
-                     std::uint32_t mask) {
-  const auto all = static_cast<std::uint32_t>((std::uint64_t{1} << range.count) - 1);
-  if (masks.stride == 0) return (masks[0] & mask) != 0 ? all : 0;
-  std::uint32_t common = mask;
-  for (std::size_t i = 0; i < range.count; ++i) common &= masks[range.first + i];
-  if (common != 0) return all;
-  std::uint32_t lanes = 0;
-  for (std::size_t i = 0; i < range.count; ++i)
-    lanes |= static_cast<std::uint32_t>((masks[range.first + i] & mask) != 0) << i;
-  return lanes;
+/// Asks for memory that is read later, or written. Always inline: GCC drops calls of functions that
+/// only prefetch.
+template <bool kWritten>
+[[gnu::always_inline]] inline void prefetch(const std::byte* begin, const std::byte* end) {
+  constexpr std::ptrdiff_t kLine = 64;
+  for (; begin < end; begin += kLine) __builtin_prefetch(begin, kWritten);
 }
 
 }  // namespace
 
 PencilCaster::PencilCaster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees,
                            const TraceOptions& options, const RayColumns& rays,
-                           const HitColumns& hits)
+                           const HitColumns* hits)
     : pin_(pin),
       trees_(trees),
       options_(options),
       rays_(rays),
       hits_(hits),
-      only_(find_only(trees, options)) {
+      only_(hits != nullptr ? find_only(trees, options) : nullptr) {
   if (only_ == nullptr) return;
   for (std::size_t p = 0; p < packets_.size(); ++p) {
     Packet& packet = packets_[p];
@@ -65,6 +55,20 @@ PencilCaster::PencilCaster(accel::kdtree::EpochPin& pin, const instances::OpenTr
     packet.instance = 0;
     packet.culling = options.culling;
   }
+}
+
+bool PencilCaster::answers(const RayPacket& packet, std::size_t end) {
+  const std::size_t first = packet.first, next = std::min(first + kPencilRays, end);
+  answered_ >>= 1;
+  if (first % kPencilRays == 0) {
+    // Structs begin with these columns; the processor foresees narrower ones.
+    const std::size_t last = std::min(next + kPencilRays, rays_.size);
+    prefetch<false>(rays_.origin[0].at(next), rays_.origin[0].at(last));
+    if (hits_ != nullptr && hits_->t.is_asked())
+      prefetch<true>(hits_->t.at(next), hits_->t.at(last));
+    answered_ = cast(first, next - first);
+  }
+  return (answered_ & 1) != 0;
 }
 
 std::uint32_t PencilCaster::cast(std::size_t first, std::size_t count) {
@@ -85,9 +89,7 @@ std::uint32_t PencilCaster::cast(std::size_t first, std::size_t count) {
   if (answered == 0) return 0;
   stats_.traversal_steps += walked.steps;
   stats_.triangle_tests += walked.tests;
-  if (on_deferred(options_.growth) != accel::lazy::OnDeferred::kSkip &&
-      !only_->entered->load(std::memory_order_relaxed))
-    only_->entered->store(true, std::memory_order_relaxed);
+  if (options_.growth != Growth::kBuiltOnly) only_->mark_entered();
   return answered;
 }
 
@@ -95,14 +97,15 @@ std::uint32_t PencilCaster::cast(std::size_t first, std::size_t count) {
 PencilCaster::Lanes PencilCaster::read(std::size_t first, std::size_t count) {
   Lanes lanes{};
   for (std::size_t i = 0, p = 0; i < count; i += kLanes, ++p) {
-    const PacketRange range{first + i, std::min(kLanes, count - i)};
+    const RayPacket range{first + i, std::min(kLanes, count - i)};
     accel::wide::GivenRays& given = given_[p];
     Packet& packet = packets_[p];
     accel::wide::read(rays_, range.first, range.count, given);
     packet.work.fill(0);
     best_[p].clear();
+    masks_.read(rays_.mask, range);
     const std::uint32_t valid = accel::wide::valid(given, trees_.static_tree().center(),
-                                                   seeing(rays_.mask, range, only_->mask));
+                                                   masks_.seeing(only_->mask, range.lanes));
     lanes[p] = accel::wide::carry(given, only_->local_from_world.m, valid, packet.rays);
   }
   return lanes;
@@ -111,15 +114,15 @@ PencilCaster::Lanes PencilCaster::read(std::size_t first, std::size_t count) {
 std::uint32_t PencilCaster::write(std::size_t first, std::size_t count, const Lanes& done) {
   std::uint32_t answered = 0;
   for (std::size_t i = 0, p = 0; i < count; i += kLanes, ++p) {
-    const PacketRange range{first + i, std::min(kLanes, count - i)};
+    const RayPacket range{first + i, std::min(kLanes, count - i)};
     const std::uint32_t lanes = done[p];
-    if (lanes != (std::uint64_t{1} << range.count) - 1) continue;
+    if (lanes != range.lanes) continue;
     answered |= 1u << p;
     const accel::wide::Outcome outcome{best_[p], packets_[p].work, lanes, lanes,
                                        0,        packets_[p].any};
-    accel::wide::write(outcome, hits_, range.first);
+    accel::wide::write(outcome, *hits_, range.first);
     if (options_.surface && !packets_[p].any)
-      write_surfaces({given_[p], outcome, range, true}, trees_, rays_, hits_);
+      write_surfaces({given_[p], outcome, range.first, true}, trees_, rays_, *hits_);
     stats_.rays += range.count;
     stats_.hits += static_cast<std::uint64_t>(std::popcount(best_[p].found));
     stats_.instances_entered += range.count;

@@ -10,6 +10,7 @@
 #include "accel/wide/pencil.h"
 #include "scenegraph/instances/scene_trees.h"
 #include "scenegraph/query/packet_hits.h"
+#include "scenegraph/query/seen.h"
 #include "scenegraph/trace_options.h"
 
 namespace sightline::scenegraph::query {
@@ -19,10 +20,11 @@ inline constexpr std::size_t kPencilRays = accel::wide::kPencilPackets * accel::
 /// For one block of rays, on one thread.
 class PencilCaster {
  public:
-  /// The columns and the pin outlive the caster. The pin is renewed for each pencil.
+  /// The columns and the pin outlive the caster. The pin is renewed for each pencil. `hits`: null
+  /// for kinds that pencils do not answer.
   PencilCaster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees,
                const TraceOptions& options, const accel::geometry::RayColumns& rays,
-               const accel::geometry::HitColumns& hits);
+               const accel::geometry::HitColumns* hits);
   PencilCaster(const PencilCaster&) = delete;
   PencilCaster& operator=(const PencilCaster&) = delete;
 
@@ -30,6 +32,9 @@ class PencilCaster {
   /// Returns a bit for each packet that is answered; the others have rays that are not of the
   /// pencil, or a pencil does not suit them.
   std::uint32_t cast(std::size_t first, std::size_t count);
+  /// Whether the next packet of a block of rays that ends at `end` is answered: casts the pencil
+  /// that begins there.
+  bool answers(const RayPacket& packet, std::size_t end);
 
   /// Of all rays answered.
   const TraceStats& stats() const { return stats_; }
@@ -44,11 +49,13 @@ class PencilCaster {
   const instances::OpenTrees trees_;
   const TraceOptions options_;
   const accel::geometry::RayColumns& rays_;
-  const accel::geometry::HitColumns& hits_;
+  const accel::geometry::HitColumns* const hits_;
   const instances::Instance* only_ = nullptr;  // null: pencils do not suit the revision
   TraceStats stats_;
   // After a failure, as many groups of rays are not tried; twice as many and one after the next.
   std::size_t failed_ = 0, to_skip_ = 0;
+  std::uint32_t answered_ = 0;  // a bit for each of the next packets
+  Masks masks_;
   std::array<accel::wide::GivenRays, accel::wide::kPencilPackets> given_;
   std::array<accel::wide::BestHits, accel::wide::kPencilPackets> best_;
   std::array<accel::wide::Packet, accel::wide::kPencilPackets> packets_;

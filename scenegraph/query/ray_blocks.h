@@ -11,8 +11,8 @@
 #include "accel/lazy/lazy_tree.h"
 #include "accel/lazy/stall_detector.h"
 #include "proto/result.h"
+#include "scenegraph/query/caster.h"
 #include "scenegraph/query/first_error.h"
-#include "scenegraph/query/ray_caster.h"
 #include "scenegraph/trace_options.h"
 
 namespace sightline::scenegraph::query {
@@ -48,28 +48,25 @@ Result<TraceStats> run_blocks(std::size_t rays, std::size_t rays_per_block,
   return total;
 }
 
-/// Answers the rays of a block: answer(ray, WhenPending) returns false if the ray is suspended
-/// because other threads build a cell that it needs. Suspended rays are postponed until all others
-/// are answered. Then they wait, without spinning, for those threads, and in the end build the cell
-/// themselves. Ends before the next ray once `cancelled` is true.
+/// Answers packets of suspended rays after all others of their block: answer(RayPacket,
+/// WhenPending) returns those rays that are suspended again, because other threads build a cell
+/// that they need. In the end they wait, without spinning, for those threads, and then build the
+/// cell themselves. Ends before the next packet once `cancelled` is true.
 template <class Answer>
-void answer_block(const RayCaster& caster, const RayBlock& block,
-                  const std::atomic<bool>* cancelled, const Answer& answer) {
-  std::deque<std::size_t> postponed;
-  for (std::size_t ray = block.first; ray < block.end && !is_cancelled(cancelled); ++ray) {
-    if (!answer(ray, accel::lazy::WhenPending::kReturn)) postponed.push_back(ray);
-  }
+void answer_postponed(std::deque<RayPacket>& postponed, const Caster& caster,
+                      const std::atomic<bool>* cancelled, const Answer& answer) {
   accel::lazy::WhenPending when_pending = accel::lazy::WhenPending::kReturn;
   accel::lazy::StallDetector stall_detector;
   for (std::size_t in_vain = 0; !postponed.empty() && !is_cancelled(cancelled);) {
-    const std::size_t ray = postponed.front();
+    RayPacket packet = postponed.front();
     postponed.pop_front();
-    if (answer(ray, when_pending)) {
+    packet.lanes = answer(packet, when_pending);
+    if (packet.lanes == 0) {
       in_vain = 0;
       stall_detector = {};
       continue;
     }
-    postponed.push_back(ray);
+    postponed.push_back(packet);
     constexpr std::size_t kTries = 8;
     if (++in_vain < std::min(kTries, postponed.size())) continue;
     in_vain = 0;

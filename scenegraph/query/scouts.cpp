@@ -3,7 +3,6 @@
 #include "scenegraph/query/scouts.h"
 
 #include <algorithm>
-#include <memory>
 #include <numeric>
 #include <unordered_map>
 #include <utility>
@@ -15,66 +14,23 @@
 
 #include "accel/kdtree/epoch.h"
 #include "accel/lazy/lazy_tree.h"
+#include "scenegraph/query/caster.h"
 #include "scenegraph/query/first_error.h"
 
 namespace sightline::scenegraph::query {
 namespace {
 
 using accel::geometry::LocalRay;
-using accel::geometry::Ray;
 using accel::geometry::RayColumns;
 using accel::kdtree::AtomicSlot;
 using accel::kdtree::BuildCounters;
 using accel::lazy::CellDecision;
 using accel::lazy::LazyTree;
 
-struct Leave {
-  void operator()(accel::kdtree::RefCounted* owner) const { owner->leave(); }
-};
-
-/// A scout that waits at a cell, or for all of a tree.
+/// A scout that waits.
 struct Waiting {
   std::size_t scout;
-  bool for_all;
-  LazyTree* tree;
-  AtomicSlot* slot;
-  std::unique_ptr<accel::kdtree::RefCounted, Leave> owner;  ///< Keeps the tree alive.
-  LocalRay ray;                                             ///< In the tree's frame.
-};
-
-/// The scouts of one task, as they come to cells.
-class Arrivals final : public accel::lazy::WaitingRays {
- public:
-  Arrivals(const instances::OpenTrees& trees, const TraceOptions& options)
-      : caster_(pin_, trees, options) {
-    caster_.wait_at_cells(*this);
-  }
-
-  template <class Cast>
-  void cast(std::size_t scout, const Ray& ray, const Cast& cast_one) {
-    scout_ = scout;
-    cast_one(caster_, ray);
-  }
-
-  void wait_at(LazyTree& tree, AtomicSlot& slot, accel::kdtree::RefCounted* owner) override {
-    if (owner != nullptr) owner->join();
-    waiting_.push_back(
-        {scout_, false, &tree, &slot, decltype(Waiting::owner)(owner), caster_.local_ray()});
-  }
-
-  void wait_for_all(LazyTree& tree, accel::kdtree::RefCounted* owner) override {
-    if (owner != nullptr) owner->join();
-    waiting_.push_back({scout_, true, &tree, &tree.root(), decltype(Waiting::owner)(owner), {}});
-  }
-
-  TraceStats stats() const { return caster_.stats(); }
-  std::vector<Waiting> take() { return std::move(waiting_); }
-
- private:
-  accel::kdtree::EpochPin pin_;
-  RayCaster caster_;
-  std::size_t scout_ = 0;
-  std::vector<Waiting> waiting_;
+  Arrival arrival;
 };
 
 /// A cell, or the root of all, and the scouts that wait there.
@@ -92,10 +48,13 @@ std::vector<AwaitedCell> by_cell(const std::vector<Waiting>& waiting) {
   std::vector<AwaitedCell> cells;
   std::unordered_map<const AtomicSlot*, std::size_t> known;
   for (const Waiting& one : waiting) {
-    const auto [at, fresh] = known.try_emplace(one.slot, cells.size());
-    if (fresh) cells.push_back({one.for_all, one.tree, one.slot, {}, {}});
+    LazyTree* const tree = one.arrival.at.tree;
+    const bool for_all = one.arrival.at.slot == nullptr;
+    AtomicSlot* const slot = for_all ? &tree->root() : one.arrival.at.slot;
+    const auto [at, fresh] = known.try_emplace(slot, cells.size());
+    if (fresh) cells.push_back({for_all, tree, slot, {}, {}});
     cells[at->second].scouts.push_back(one.scout);
-    cells[at->second].rays.push_back(one.ray);
+    cells[at->second].rays.push_back(one.arrival.ray);
   }
   return cells;
 }
@@ -136,15 +95,15 @@ bool grow(const AwaitedCell& cell, double rays_each, const TraceOptions& options
 /// All scouts of a batch.
 class Scouting {
  public:
-  Scouting(const instances::OpenTrees& trees, const RayColumns& rays, const TraceOptions& options)
-      : trees_(trees), rays_(rays), options_(options) {}
+  Scouting(const instances::OpenTrees& trees, const RayColumns& rays, QueryKind kind,
+           const TraceOptions& options)
+      : trees_(trees), rays_(rays), kind_(kind), options_(options) {}
 
   /// Whether a few find a cell that pays.
-  template <class Cast>
-  bool find_work(std::size_t all, const Cast& cast) {
+  bool find_work(std::size_t all) {
     std::vector<std::size_t> scouts(kFirstScouts);
     for (std::size_t i = 0; i < kFirstScouts; ++i) scouts[i] = i * all / kFirstScouts;
-    const std::vector<Waiting> waiting = arrive(scouts, all, cast);
+    const std::vector<Waiting> waiting = arrive(scouts, all);
     const double rays_each = static_cast<double>(rays_.size) / kFirstScouts;
     BuildCounters unused;
     for (const AwaitedCell& cell : by_cell(waiting)) {
@@ -154,10 +113,8 @@ class Scouting {
   }
 
   /// Those of `scouts` that may go on.
-  template <class Cast>
-  std::vector<std::size_t> go(const std::vector<std::size_t>& scouts, std::size_t all,
-                              const Cast& cast) {
-    const std::vector<Waiting> waiting = arrive(scouts, all, cast);
+  std::vector<std::size_t> go(const std::vector<std::size_t>& scouts, std::size_t all) {
+    const std::vector<Waiting> waiting = arrive(scouts, all);
     std::vector<AwaitedCell> cells = by_cell(waiting);
     stats_ += grow_cells(cells, static_cast<double>(rays_.size) / static_cast<double>(all));
     std::vector<std::size_t> on;
@@ -172,21 +129,21 @@ class Scouting {
 
  private:
   /// Takes every scout to the first cell that is not built. In their order.
-  template <class Cast>
-  std::vector<Waiting> arrive(const std::vector<std::size_t>& scouts, std::size_t all,
-                              const Cast& cast) {
+  std::vector<Waiting> arrive(const std::vector<std::size_t>& scouts, std::size_t all) {
     constexpr std::size_t kScoutsPerTask = 128;  // fewer do not pay for waking another thread
     std::vector<std::vector<Waiting>> parts((scouts.size() + kScoutsPerTask - 1) / kScoutsPerTask);
     std::vector<TraceStats> stats(parts.size());
     FirstError error;
     tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
       error.run([&] {
-        Arrivals arrivals(trees_, options_);
+        accel::kdtree::EpochPin pin;
+        Caster caster(pin, trees_, kind_, options_);
         const std::size_t begin = part * kScoutsPerTask;
-        for (std::size_t i = begin; i < std::min(begin + kScoutsPerTask, scouts.size()); ++i)
-          arrivals.cast(scouts[i], rays_[scouts[i] * rays_.size / all], cast);
-        stats[part] = arrivals.stats();
-        parts[part] = arrivals.take();
+        for (std::size_t i = begin; i < std::min(begin + kScoutsPerTask, scouts.size()); ++i) {
+          auto arrival = caster.scout(rays_, scouts[i] * rays_.size / all);
+          if (arrival) parts[part].push_back({scouts[i], *std::move(arrival)});
+        }
+        stats[part] = caster.stats();
       });
     });
     if (error.happened()) return {};  // the batch will meet it, too
@@ -226,6 +183,7 @@ class Scouting {
 
   const instances::OpenTrees& trees_;
   const RayColumns& rays_;
+  const QueryKind kind_;
   const TraceOptions& options_;
   TraceStats stats_;
 };
@@ -233,19 +191,14 @@ class Scouting {
 }  // namespace
 
 TraceStats grow_for_batch(const instances::OpenTrees& trees, const RayColumns& rays, QueryKind kind,
-                          const TraceOptions& options,
-                          bool (*cast)(RayCaster&, QueryKind, const Ray&,
-                                       accel::lazy::WhenPending)) {
+                          const TraceOptions& options) {
   const std::size_t all = std::min(rays.size / kRaysPerScout, kMostScouts);
   if (all < kFirstScouts) return {};
-  const auto cast_one = [&](RayCaster& caster, const Ray& ray) {
-    cast(caster, kind, ray, accel::lazy::WhenPending::kWait);
-  };
-  Scouting scouting(trees, rays, options);
-  if (!scouting.find_work(all, cast_one)) return scouting.stats();
+  Scouting scouting(trees, rays, kind, options);
+  if (!scouting.find_work(all)) return scouting.stats();
   std::vector<std::size_t> on(all);
   std::iota(on.begin(), on.end(), std::size_t{0});
-  while (!on.empty() && !is_cancelled(options.cancelled)) on = scouting.go(on, all, cast_one);
+  while (!on.empty() && !is_cancelled(options.cancelled)) on = scouting.go(on, all);
   return scouting.stats();
 }
 

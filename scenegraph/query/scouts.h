@@ -5,7 +5,8 @@
 #include <cstddef>
 
 #include "accel/geometry/ray_columns.h"
-#include "scenegraph/query/ray_caster.h"
+#include "scenegraph/instances/scene_trees.h"
+#include "scenegraph/trace_options.h"
 
 namespace sightline::scenegraph::query {
 
@@ -15,12 +16,10 @@ inline constexpr std::size_t kRaysPerScout = 64, kMostScouts = 4096;
 inline constexpr std::size_t kFirstScouts = 16;
 
 /// Grows the meshes' trees for a batch, under Growth::kDemand. Batches of few rays have no scouts.
-/// `cast` takes one ray through the revision. Deterministic, whatever the number of threads, if no
-/// other batch grows the same trees. Returns what was built. Throws std::bad_alloc.
+/// Deterministic, whatever the number of threads, if no other batch grows the same trees. Returns
+/// what was built. Throws std::bad_alloc.
 TraceStats grow_for_batch(const instances::OpenTrees& trees,
                           const accel::geometry::RayColumns& rays, QueryKind kind,
-                          const TraceOptions& options,
-                          bool (*cast)(RayCaster&, QueryKind, const accel::geometry::Ray&,
-                                       accel::lazy::WhenPending));
+                          const TraceOptions& options);
 
 }  // namespace sightline::scenegraph::query

@@ -60,7 +60,7 @@ class Layers(Tree):
         ("accel/published/a.h", '"accel/published/kd/event_sweep.h"'),
         ("scenegraph/model/a.cpp", '"accel/mesh/mesh_tree.h"'),
         ("scenegraph/revision/a.cpp", "<tbb/parallel_for.h>"),
-        ("scenegraph/trace.cpp", '"scenegraph/query/ray_caster.h"'),
+        ("scenegraph/trace.cpp", '"scenegraph/query/caster.h"'),
         ("scenegraph/query/a.h", '"scenegraph/trace_options.h"'),
         ("server/queries/a.cpp", '"scenegraph/trace.h"'),
         ("server/queries/a.cpp", '"sightline/v1/query.pb.h"'),

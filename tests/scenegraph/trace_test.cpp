@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstring>
+#include <deque>
 #include <limits>
 #include <thread>
 
@@ -246,21 +247,19 @@ TEST(Trace, MillimetresTenThousandKilometresOut) {
   }
 }
 
-TEST(Trace, StopsBetweenTheRaysOfABlock) {
+TEST(Trace, StopsBetweenPostponedPackets) {
   Scene scene;
   const auto snapshot = scene.snapshot();
-  const instances::OpenTrees trees = snapshot->trees();
   accel::kdtree::EpochPin pin;
-  const TraceOptions options;
-  const query::RayCaster caster(pin, trees, options);
+  const query::Caster caster(pin, snapshot->trees(), QueryKind::kClosest, {});
+  std::deque<query::RayPacket> postponed(5, {0, accel::wide::kLanes});
   std::atomic<bool> cancelled{false};
-  std::size_t answered = 0;
-  query::answer_block(caster, {0, kRaysPerBlock}, &cancelled,
-                      [&](std::size_t, accel::lazy::WhenPending) {
-                        cancelled = ++answered == 3;
-                        return true;
-                      });
-  EXPECT_EQ(answered, 3u);
+  query::answer_postponed(postponed, caster, &cancelled,
+                          [&](const query::RayPacket&, accel::lazy::WhenPending) {
+                            cancelled = postponed.size() == 2;
+                            return 0u;
+                          });
+  EXPECT_EQ(postponed.size(), 2u);
 }
 
 TEST(Trace, StopsWhenCancelled) {

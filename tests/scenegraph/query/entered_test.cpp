@@ -16,13 +16,14 @@ TEST(EnteredOnce, RecordsEachUntilItIsCleared) {
   }
 }
 
-TEST(RecentlyEntered, RecordsTheLastFew) {
-  RecentlyEntered recent;
-  EXPECT_FALSE(recent.contains_or_add(3));
-  EXPECT_TRUE(recent.contains_or_add(3));
-  for (std::uint32_t id = 10; id < 18; ++id) EXPECT_FALSE(recent.contains_or_add(id));
-  EXPECT_TRUE(recent.contains_or_add(17));
-  EXPECT_FALSE(recent.contains_or_add(3));
+TEST(RecentLanes, RecordTheLastFew) {
+  RecentLanes recent;
+  EXPECT_EQ(recent.add(3, 0b0110), 0b0110u);
+  EXPECT_EQ(recent.add(3, 0b0011), 0b0001u);
+  EXPECT_EQ(recent.add(3, 0b0111), 0u);
+  for (std::uint32_t id = 10; id < 26; ++id) EXPECT_EQ(recent.add(id, 1), 1u);
+  EXPECT_EQ(recent.add(25, 1), 0u);
+  EXPECT_EQ(recent.add(3, 0b0111), 0b0111u);
 }
 
 }  // namespace

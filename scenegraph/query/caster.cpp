@@ -1,0 +1,217 @@
+#include "scenegraph/query/caster.h"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+#include <utility>
+
+#include "accel/lazy/lazy_tree.h"
+#include "accel/mesh/mesh_tree.h"
+#include "scenegraph/query/scene_slots.h"
+#include "scenegraph/query/surface.h"
+
+namespace sightline::scenegraph::query {
+namespace {
+
+using accel::geometry::Hit;
+using accel::geometry::HitColumns;
+using accel::geometry::HitState;
+using accel::geometry::RayColumns;
+using accel::lazy::OnDeferred;
+using accel::lazy::WhenPending;
+using accel::wide::kLanes;
+
+OnDeferred on_deferred(Growth growth) {
+  switch (growth) {
+    case Growth::kDemand:
+      return OnDeferred::kDemand;
+    case Growth::kNone:
+      return OnDeferred::kScan;
+    case Growth::kBuiltOnly:
+      return OnDeferred::kSkip;
+    case Growth::kFirstTouch:
+    case Growth::kFull:
+      break;
+  }
+  return OnDeferred::kExpand;
+}
+
+}  // namespace
+
+Caster::Caster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees, QueryKind kind,
+               const TraceOptions& options)
+    : pin_(pin),
+      trees_(trees),
+      kind_(kind),
+      options_(options),
+      on_deferred_(on_deferred(options.growth)),
+      collected_(kind == QueryKind::kCount || kind == QueryKind::kAll ? kLanes : 0,
+                 Collected(options.max_hits)) {
+  for (accel::wide::Packet* packet : {&scene_, &mesh_}) {
+    packet->best = &best_;
+    packet->any = kind == QueryKind::kAny;
+  }
+  mesh_.culling = options.culling;
+}
+
+void Caster::read() {
+  accel::wide::read(*rays_, packet_.first, packet_.count, given_);
+  for (accel::wide::Packet* packet : {&scene_, &mesh_}) {
+    packet->work.fill(0);
+    packet->stopped = false;
+  }
+  masks_.read(rays_->mask, packet_);
+  best_.clear();
+  valid_ = accel::wide::valid(given_, trees_.static_tree().center(), packet_.lanes);
+  suspended_ = saw_deferred_ = 0;
+  renewed_ = false;
+  frame_ = nullptr;
+  lazy_ = {};
+  lazy_.on_deferred = on_deferred_;
+  lazy_.pin = &pin_;
+  lazy_.cancelled = options_.cancelled;
+  for (std::size_t i = 0; i < collected_.size(); ++i) sinks_[i] = collected_[i].begin(kind_);
+}
+
+std::uint32_t Caster::cast(const RayColumns& rays, const RayPacket& packet,
+                           WhenPending when_pending) {
+  pin_.renew();
+  rays_ = &rays;
+  packet_ = packet;
+  read();
+  lazy_.when_pending = when_pending;
+  for (const instances::OpenTree& tree : trees_.all()) {
+    if (scene_.stopped) break;
+    if (tree.instances.size() > 0)
+      walk_tree(tree,
+                &tree == &trees_.all().front() ? counters_.static_built : counters_.dynamic_built);
+  }
+  if (lazy_.suspended) progress_ = lazy_.progress;
+  return scene_.stopped || lazy_.is_cancelled() ? 0 : end();
+}
+
+std::optional<Arrival> Caster::scout(const RayColumns& rays, std::size_t ray) {
+  on_deferred_ = OnDeferred::kWait;
+  cast(rays, {ray, 1}, WhenPending::kWait);
+  return std::exchange(arrival_, std::nullopt);
+}
+
+std::uint32_t Caster::end() {
+  stats_.rays += static_cast<std::uint64_t>(std::popcount(answered()));
+  stats_.invalid += static_cast<std::uint64_t>(std::popcount(answered() & ~valid_));
+  stats_.hits += static_cast<std::uint64_t>(std::popcount(answered() & best_.found));
+  return answered();
+}
+
+void Caster::walk_tree(const instances::OpenTree& tree, accel::kdtree::BuildCounters& built) {
+  accel::lazy::LazyTree& kd = tree.instances.tree();
+  if (kd.tree().bounds().empty()) return;
+  std::uint32_t lanes = left_to_cast(valid_);
+  if (lanes == 0) return;
+  SceneSlots slots(*this, tree, built);
+  const accel::kdtree::Slot root = accel::kdtree::load(kd.root());
+  if (root.is_leaf() && root.leaf_count() == 1) return slots.visit_only(root.leaf_first(), lanes);
+  lanes = accel::wide::center(given_, tree.instances.center(), lanes, scene_.rays);
+  accel::wide::Prepared prepared{.slow = lanes};
+  if (kd.frame()) prepared = accel::wide::prepare(scene_, *kd.frame(), lanes);
+  slots.walk(prepared);
+}
+
+std::uint32_t Caster::left_to_cast(std::uint32_t lanes) const {
+  return lanes & ~suspended_ & ~(scene_.any ? best_.found : 0);
+}
+
+void Caster::enter(const instances::Instance& instance, std::uint32_t index, std::uint32_t lanes,
+                   accel::kdtree::BuildCounters& built) {
+  if (frame_ == nullptr || *frame_ != instance.local_from_world) {
+    frame_ = &instance.local_from_world;
+    in_frame_ = accel::wide::carry(given_, frame_->m, valid_, mesh_.rays);
+  }
+  lanes &= in_frame_;
+  if (lanes == 0) return;
+  stats_.instances_entered += static_cast<std::uint64_t>(std::popcount(lanes));
+  if (on_deferred_ == OnDeferred::kSkip) {
+    if (!instance.mesh->is_resident()) {
+      saw_deferred_ |= lanes;
+      return;
+    }
+  } else {
+    instance.mark_entered();
+  }
+  mesh_.node = instance.node;
+  mesh_.instance = index;
+  model::Mesh::OwnedTree& mesh = instance.mesh->owned_tree();
+  const accel::lazy::OwnedTree owned(lazy_, mesh);
+  mesh.tree.query(
+      mesh_, lanes,
+      {lazy_, saw_deferred_, counters_.walked, built, std::span(sinks_).first(collected_.size())});
+  renewed_ |= lazy_.joined;
+  if (lazy_.awaited.tree != nullptr) {
+    mesh.join();
+    const auto scout = static_cast<std::size_t>(std::countr_zero(lanes));
+    arrival_ = {lazy_.awaited, decltype(Arrival::owner)(&mesh), ray_of(mesh_.rays, scout)};
+  }
+  scene_.stopped |= mesh_.stopped;
+  if (kind_ != QueryKind::kCount || mesh_.stopped) return;
+  for (std::uint32_t hit = lanes & best_.found; hit != 0; hit &= hit - 1)
+    collected_[static_cast<std::size_t>(std::countr_zero(hit))].end_mesh();
+}
+
+std::uint32_t Caster::entering(std::uint32_t index, std::uint32_t lanes) {
+  if (collected_.empty()) return lanes;
+  for (std::uint32_t left = lanes; left != 0; left &= left - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+    if (!collected_[lane].enter(index)) lanes &= ~(1u << lane);
+  }
+  return lanes;
+}
+
+HitState Caster::state(std::size_t lane) const {
+  if ((valid_ >> lane & 1) == 0) return HitState::kInvalid;
+  return (best_.found >> lane & 1) != 0 ? HitState::kHit : HitState::kMiss;
+}
+
+std::uint32_t Caster::work(std::size_t lane) const {
+  if ((valid_ >> lane & 1) == 0) return 0;
+  const std::uint32_t work =
+      std::min(scene_.work[lane] + mesh_.work[lane], accel::geometry::kWorkDeferred - 1);
+  const bool deferred = (saw_deferred_ >> lane & 1) != 0;
+  return work | (deferred ? accel::geometry::kWorkDeferred : 0);
+}
+
+RayTally Caster::count(std::size_t lane) {
+  RayTally tally{.work = work(lane), .state = state(lane)};
+  if (tally.state == HitState::kInvalid) tally.count = kInvalidCount;
+  if (tally.state == HitState::kHit) tally.count = collected_[lane].count(stats_);
+  return tally;
+}
+
+RayTally Caster::list(std::size_t lane, std::vector<Hit>& hits) {
+  RayTally tally{.work = work(lane), .state = state(lane)};
+  if (tally.state != HitState::kHit) return tally;
+  const accel::geometry::Ray given = (*rays_)[packet_.first + lane];
+  const std::span<const accel::mesh::ListedHit> found =
+      collected_[lane].list(stats_, tally.cut_off);
+  for (const accel::mesh::ListedHit& listed : found)
+    hits.push_back(hit_of(listed, trees_, given, options_.surface));
+  tally.count = static_cast<std::uint32_t>(found.size());
+  return tally;
+}
+
+void Caster::write(const HitColumns& hits) {
+  for (std::size_t i = 0; i < kLanes; ++i) scene_.work[i] += mesh_.work[i];
+  const accel::wide::Outcome outcome{best_,  scene_.work,   answered(),
+                                     valid_, saw_deferred_, scene_.any};
+  accel::wide::write(outcome, hits, packet_.first);
+  // Trees that this thread has left may be gone once its pin is renewed.
+  if (options_.surface && !scene_.any)
+    write_surfaces({given_, outcome, packet_.first, !renewed_}, trees_, *rays_, hits);
+}
+
+TraceStats Caster::stats() const {
+  TraceStats stats = stats_;
+  counters_.add_to(stats);
+  return stats;
+}
+
+}  // namespace sightline::scenegraph::query
