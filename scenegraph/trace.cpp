@@ -12,9 +12,10 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
-#include <deque>
+#include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "accel/kdtree/epoch.h"
 #include "accel/kdtree/last_use.h"
@@ -69,23 +70,25 @@ Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
   const auto answer = [&](const instances::OpenTrees& trees, const RayBlock& block) {
     EpochPin pin;
     Caster caster(pin, trees, kind, options);
-    query::PencilCaster pencils(pin, trees, options, rays, hits);
+    std::optional<query::PencilCaster> pencils;
+    if (hits != nullptr) pencils.emplace(pin, trees, options, rays, *hits);
     const auto cast = [&](const RayPacket& packet, WhenPending when_pending) {
       const std::uint32_t answered = caster.cast(rays, packet, when_pending);
       if (answered != 0) keep(caster, packet.first, answered);
       return packet.lanes & ~answered;
     };
-    std::deque<RayPacket> postponed;
+    std::vector<RayPacket> postponed;
     for (std::size_t i = block.first; i < block.end && !is_cancelled(options.cancelled);
          i += kLanes) {
       RayPacket packet{i, std::min(kLanes, block.end - i)};
-      if (pencils.answers(packet, block.end)) continue;
+      if (pencils && pencils->answers(packet, block.end)) continue;
       packet.lanes = cast(packet, WhenPending::kReturn);
       if (packet.lanes != 0) postponed.push_back(packet);
     }
     query::answer_postponed(postponed, caster, options.cancelled, cast);
     TraceStats stats = caster.stats();
-    return stats += pencils.stats();
+    if (pencils) stats += pencils->stats();
+    return stats;
   };
   return trace_blocks(snapshot, kind, rays, kRaysPerBlock, options, answer);
 }

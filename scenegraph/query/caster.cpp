@@ -158,7 +158,6 @@ void Caster::enter(const instances::Instance& instance, std::uint32_t index, std
 }
 
 std::uint32_t Caster::entering(std::uint32_t index, std::uint32_t lanes) {
-  if (collected_.empty()) return lanes;
   for (std::uint32_t left = lanes; left != 0; left &= left - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(left));
     if (!collected_[lane].enter(index)) lanes &= ~(1u << lane);

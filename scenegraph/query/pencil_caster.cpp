@@ -39,21 +39,23 @@ template <bool kWritten>
 
 PencilCaster::PencilCaster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees,
                            const TraceOptions& options, const RayColumns& rays,
-                           const HitColumns* hits)
+                           const HitColumns& hits)
     : pin_(pin),
       trees_(trees),
       options_(options),
       rays_(rays),
       hits_(hits),
-      only_(hits != nullptr ? find_only(trees, options) : nullptr) {
-  if (only_ == nullptr) return;
-  for (std::size_t p = 0; p < packets_.size(); ++p) {
-    Packet& packet = packets_[p];
-    packet.best = &best_[p];
-    packet.any = options.kind == QueryKind::kAny;
+      only_(find_only(trees, options)) {}
+
+void PencilCaster::make_group() {
+  group_ = std::make_unique<Group>();
+  for (std::size_t p = 0; p < group_->packets.size(); ++p) {
+    Packet& packet = group_->packets[p];
+    packet.best = &group_->best[p];
+    packet.any = options_.kind == QueryKind::kAny;
     packet.node = only_->node;
     packet.instance = 0;
-    packet.culling = options.culling;
+    packet.culling = options_.culling;
   }
 }
 
@@ -64,25 +66,26 @@ bool PencilCaster::answers(const RayPacket& packet, std::size_t end) {
     // Structs begin with these columns; the processor foresees narrower ones.
     const std::size_t last = std::min(next + kPencilRays, rays_.size);
     prefetch<false>(rays_.origin[0].at(next), rays_.origin[0].at(last));
-    if (hits_ != nullptr && hits_->t.is_asked())
-      prefetch<true>(hits_->t.at(next), hits_->t.at(last));
+    if (hits_.t.is_asked()) prefetch<true>(hits_.t.at(next), hits_.t.at(last));
     answered_ = cast(first, next - first);
   }
   return (answered_ & 1) != 0;
 }
 
 std::uint32_t PencilCaster::cast(std::size_t first, std::size_t count) {
-  if (only_ == nullptr || !only_->mesh->is_resident()) return 0;
+  // One ray is no pencil.
+  if (only_ == nullptr || count == 1 || !only_->mesh->is_resident()) return 0;
   if (to_skip_ > 0) {
     --to_skip_;
     return 0;
   }
+  if (!group_) make_group();
   pin_.renew();
   const std::size_t packets = (count + kLanes - 1) / kLanes;
   const Lanes lanes = read(first, count);
   accel::kdtree::WalkCounters walked;
-  const Lanes done = only_->mesh->owned_tree().tree.query_pencil(std::span(packets_).first(packets),
-                                                                 lanes, walked);
+  const Lanes done = only_->mesh->owned_tree().tree.query_pencil(
+      std::span(group_->packets).first(packets), lanes, walked);
   const std::uint32_t answered = write(first, count, done);
   to_skip_ = failed_;
   failed_ = answered == 0 ? 2 * failed_ + 2 : 0;
@@ -98,14 +101,14 @@ PencilCaster::Lanes PencilCaster::read(std::size_t first, std::size_t count) {
   Lanes lanes{};
   for (std::size_t i = 0, p = 0; i < count; i += kLanes, ++p) {
     const RayPacket range{first + i, std::min(kLanes, count - i)};
-    accel::wide::GivenRays& given = given_[p];
-    Packet& packet = packets_[p];
+    accel::wide::GivenRays& given = group_->given[p];
+    Packet& packet = group_->packets[p];
     accel::wide::read(rays_, range.first, range.count, given);
     packet.work.fill(0);
-    best_[p].clear();
-    masks_.read(rays_.mask, range);
+    group_->best[p].clear();
+    group_->masks.read(rays_.mask, range);
     const std::uint32_t valid = accel::wide::valid(given, trees_.static_tree().center(),
-                                                   masks_.seeing(only_->mask, range.lanes));
+                                                   group_->masks.seeing(only_->mask, range.lanes));
     lanes[p] = accel::wide::carry(given, only_->local_from_world.m, valid, packet.rays);
   }
   return lanes;
@@ -118,13 +121,13 @@ std::uint32_t PencilCaster::write(std::size_t first, std::size_t count, const La
     const std::uint32_t lanes = done[p];
     if (lanes != range.lanes) continue;
     answered |= 1u << p;
-    const accel::wide::Outcome outcome{best_[p], packets_[p].work, lanes, lanes,
-                                       0,        packets_[p].any};
-    accel::wide::write(outcome, *hits_, range.first);
-    if (options_.surface && !packets_[p].any)
-      write_surfaces({given_[p], outcome, range.first, true}, trees_, rays_, *hits_);
+    const accel::wide::Outcome outcome{
+        group_->best[p], group_->packets[p].work, lanes, lanes, 0, group_->packets[p].any};
+    accel::wide::write(outcome, hits_, range.first);
+    if (options_.surface && !group_->packets[p].any)
+      write_surfaces({group_->given[p], outcome, range.first, true}, trees_, rays_, hits_);
     stats_.rays += range.count;
-    stats_.hits += static_cast<std::uint64_t>(std::popcount(best_[p].found));
+    stats_.hits += static_cast<std::uint64_t>(std::popcount(group_->best[p].found));
     stats_.instances_entered += range.count;
   }
   return answered;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 
 #include "accel/kdtree/epoch.h"
 #include "accel/wide/given_rays.h"
@@ -20,11 +21,10 @@ inline constexpr std::size_t kPencilRays = accel::wide::kPencilPackets * accel::
 /// For one block of rays, on one thread.
 class PencilCaster {
  public:
-  /// The columns and the pin outlive the caster. The pin is renewed for each pencil. `hits`: null
-  /// for kinds that pencils do not answer.
+  /// The columns and the pin outlive the caster. The pin is renewed for each pencil.
   PencilCaster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees,
                const TraceOptions& options, const accel::geometry::RayColumns& rays,
-               const accel::geometry::HitColumns* hits);
+               const accel::geometry::HitColumns& hits);
   PencilCaster(const PencilCaster&) = delete;
   PencilCaster& operator=(const PencilCaster&) = delete;
 
@@ -42,6 +42,17 @@ class PencilCaster {
  private:
   using Lanes = accel::wide::PencilLanes;
 
+  /// The rays of a pencil. Its memory is not cleared, and not on the stack, since it is large.
+  struct Group {
+    Group() {}  // NOLINT(modernize-use-equals-default): that would clear it
+
+    Masks masks;
+    std::array<accel::wide::GivenRays, accel::wide::kPencilPackets> given;
+    std::array<accel::wide::BestHits, accel::wide::kPencilPackets> best;
+    std::array<accel::wide::Packet, accel::wide::kPencilPackets> packets;
+  };
+
+  void make_group();
   Lanes read(std::size_t first, std::size_t count);
   std::uint32_t write(std::size_t first, std::size_t count, const Lanes& done);
 
@@ -49,16 +60,13 @@ class PencilCaster {
   const instances::OpenTrees trees_;
   const TraceOptions options_;
   const accel::geometry::RayColumns& rays_;
-  const accel::geometry::HitColumns* const hits_;
-  const instances::Instance* only_ = nullptr;  // null: pencils do not suit the revision
+  const accel::geometry::HitColumns& hits_;
+  const instances::Instance* const only_;  // null: pencils do not suit the revision
   TraceStats stats_;
   // After a failure, as many groups of rays are not tried; twice as many and one after the next.
   std::size_t failed_ = 0, to_skip_ = 0;
-  std::uint32_t answered_ = 0;  // a bit for each of the next packets
-  Masks masks_;
-  std::array<accel::wide::GivenRays, accel::wide::kPencilPackets> given_;
-  std::array<accel::wide::BestHits, accel::wide::kPencilPackets> best_;
-  std::array<accel::wide::Packet, accel::wide::kPencilPackets> packets_;
+  std::uint32_t answered_ = 0;    // a bit for each of the next packets
+  std::unique_ptr<Group> group_;  // made for the first pencil
 };
 
 }  // namespace sightline::scenegraph::query

@@ -2,8 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
-#include <deque>
+#include <vector>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
@@ -53,20 +54,21 @@ Result<TraceStats> run_blocks(std::size_t rays, std::size_t rays_per_block,
 /// that they need. In the end they wait, without spinning, for those threads, and then build the
 /// cell themselves. Ends before the next packet once `cancelled` is true.
 template <class Answer>
-void answer_postponed(std::deque<RayPacket>& postponed, const Caster& caster,
+void answer_postponed(std::vector<RayPacket>& postponed, const Caster& caster,
                       const std::atomic<bool>* cancelled, const Answer& answer) {
   accel::lazy::WhenPending when_pending = accel::lazy::WhenPending::kReturn;
   accel::lazy::StallDetector stall_detector;
-  for (std::size_t in_vain = 0; !postponed.empty() && !is_cancelled(cancelled);) {
-    RayPacket packet = postponed.front();
-    postponed.pop_front();
+  for (std::size_t next = 0, in_vain = 0; !postponed.empty() && !is_cancelled(cancelled);) {
+    if (next == postponed.size()) next = 0;
+    RayPacket& packet = postponed[next];
     packet.lanes = answer(packet, when_pending);
     if (packet.lanes == 0) {
+      postponed.erase(postponed.begin() + static_cast<std::ptrdiff_t>(next));
       in_vain = 0;
       stall_detector = {};
       continue;
     }
-    postponed.push_back(packet);
+    ++next;
     constexpr std::size_t kTries = 8;
     if (++in_vain < std::min(kTries, postponed.size())) continue;
     in_vain = 0;

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -48,9 +49,7 @@ class Caster::SceneSlots final : public accel::wide::SlotVisitor {
     const accel::kdtree::Slot now = accel::kdtree::load(slot);
     if (now.is_leaf()) {
       std::uint32_t storage;
-      visit_leaf(now.leaf_count() > 0 ? tree_.tree().tree().leaf(now, storage)
-                                      : std::span<const std::uint32_t>{},
-                 lanes);
+      if (now.leaf_count() > 0) visit_instances(tree_.tree().tree().leaf(now, storage), lanes);
       return false;
     }
     if (now.is_deferred()) return visit_deferred(slot, *now.cell(), lanes);
@@ -66,7 +65,7 @@ class Caster::SceneSlots final : public accel::wide::SlotVisitor {
 
     double limit() const { return slots.limit(lane); }
     bool leaf(std::span<const std::uint32_t> ids) {
-      slots.visit_leaf(ids, 1u << lane);
+      slots.visit_instances(ids, 1u << lane);
       return is_done();
     }
     static bool finished(const accel::kdtree::FinishedSubtree&) { return false; }
@@ -105,26 +104,26 @@ class Caster::SceneSlots final : public accel::wide::SlotVisitor {
     const accel::geometry::LocalRay ray = accel::wide::ray_of(rays, lane);
     accel::lazy::LazyTree& tree = tree_.tree();
     const double tmax = std::min(rays.tmax[lane], caster_.best_.t[lane]);
+    alone_.emplace();
     if (!accel::kdtree::enter(ray, tree.tree().bounds(), rays.tmin[lane] / ray.unit,
-                              tmax / ray.unit, alone_))
-      return;
-    is_alone_ = true;
+                              tmax / ray.unit, *alone_))
+      return alone_.reset();
     const std::uint64_t before = caster_.counters_.walked.steps;
     if (&slot == &tree.root() && tree_.is_searched()) {
       search_all(1u << lane);
     } else {
       LaneVisit visit{*this, lane};
-      accel::kdtree::walk(tree.tree(), alone_, slot, caster_.counters_.walked, visit);
+      accel::kdtree::walk(tree.tree(), *alone_, slot, caster_.counters_.walked, visit);
       tree.count_steps(caster_.counters_.walked.steps - before);
     }
-    is_alone_ = false;
+    alone_.reset();
     caster_.scene_.work[lane] +=
         static_cast<std::uint32_t>(caster_.counters_.walked.steps - before);
   }
 
   /// Of a ray that is alone: the t beyond which nothing matters any more.
   double limit(std::size_t lane) const {
-    return caster_.best_.t[lane] / alone_.local->unit + alone_.slack;
+    return caster_.best_.t[lane] / alone_->local->unit + alone_->slack;
   }
 
   /// True: the slot has changed.
@@ -181,7 +180,7 @@ class Caster::SceneSlots final : public accel::wide::SlotVisitor {
 
   /// For rays that may meet its box. Opens groups.
   void visit_reference(const accel::kdtree::Reference& ref, std::uint32_t lanes) {
-    if (!ref.openable()) return visit_instance(ref.id, lanes);
+    if (!ref.openable()) return visit_instances(std::span(&ref.id, 1), lanes);
     const auto cluster = tree_.members_of_cluster(ref);
     if (!cluster.empty()) return search_references(cluster, lanes);
     if (caster_.on_deferred_ == accel::lazy::OnDeferred::kSkip && !tree_.is_open(ref)) {
@@ -193,25 +192,20 @@ class Caster::SceneSlots final : public accel::wide::SlotVisitor {
     search_references(members, lanes);
   }
 
-  void visit_leaf(std::span<const std::uint32_t> ids, std::uint32_t lanes) {
+  /// Whether an instance is entered depends only on the ray and the instance's box, not on the cell
+  /// that holds it.
+  void visit_instances(std::span<const std::uint32_t> ids, std::uint32_t lanes) {
     for (const std::uint32_t id : ids) {
       lanes = caster_.left_to_cast(lanes);
       if (lanes == 0 || caster_.scene_.stopped) return;
-      visit_instance(id, lanes);
+      const instances::Instance& instance = tree_[id];
+      std::uint32_t entering = caster_.masks_.seeing(instance.mask, recent_.add(id, lanes));
+      if (entering != 0) entering = meeting(instance.box, entering);
+      if (entering == 0 || !is_seen(open_, id, caster_.options_.selection)) continue;
+      if (!caster_.collected_.empty()) entering = caster_.entering(first_ + id, entering);
+      caster_.enter(instance, first_ + id, entering, built_);
+      tighten(first_ + id, entering);
     }
-  }
-
-  /// Whether an instance is entered depends only on the ray and the instance's box, not on the cell
-  /// that holds it.
-  void visit_instance(std::uint32_t id, std::uint32_t lanes) {
-    const instances::Instance& instance = tree_[id];
-    lanes = caster_.masks_.seeing(instance.mask, recent_.add(id, lanes));
-    if (lanes == 0) return;
-    lanes = meeting(instance.box, lanes);
-    if (lanes == 0 || !is_seen(open_, id, caster_.options_.selection)) return;
-    lanes = caster_.entering(first_ + id, lanes);
-    caster_.enter(instance, first_ + id, lanes, built_);
-    tighten(first_ + id, lanes);
   }
 
   /// After these rays have entered an instance.
@@ -227,9 +221,9 @@ class Caster::SceneSlots final : public accel::wide::SlotVisitor {
   }
 
   std::uint32_t meeting(const accel::geometry::Aabb& box, std::uint32_t lanes) const {
-    if (is_alone_) {
+    if (alone_) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
-      return accel::kdtree::may_meet(alone_, box, limit(lane)) ? lanes : 0;
+      return accel::kdtree::may_meet(*alone_, box, limit(lane)) ? lanes : 0;
     }
     const accel::geometry::Vec3f& center = caster_.scene_.center;
     return accel::wide::meeting(caster_.scene_, {box.lo - center, box.hi - center}, lanes);
@@ -242,10 +236,8 @@ class Caster::SceneSlots final : public accel::wide::SlotVisitor {
   accel::kdtree::BuildCounters& built_;
   std::uint32_t live_ = 0;  // the rays in floats
   RecentLanes recent_;
-  std::uint64_t tests_ = 0;  // of references
-  // One ray that goes alone, in doubles.
-  bool is_alone_ = false;
-  accel::kdtree::TreeRay alone_;
+  std::uint64_t tests_ = 0;                      // of references
+  std::optional<accel::kdtree::TreeRay> alone_;  // the ray that goes alone, in doubles
 };
 
 }  // namespace sightline::scenegraph::query

@@ -8,9 +8,9 @@
 #include <atomic>
 #include <cmath>
 #include <cstring>
-#include <deque>
 #include <limits>
 #include <thread>
+#include <vector>
 
 #include "accel/kdtree/epoch.h"
 #include "accel/mesh/mesh_tree.h"
@@ -252,11 +252,11 @@ TEST(Trace, StopsBetweenPostponedPackets) {
   const auto snapshot = scene.snapshot();
   accel::kdtree::EpochPin pin;
   const query::Caster caster(pin, snapshot->trees(), QueryKind::kClosest, {});
-  std::deque<query::RayPacket> postponed(5, {0, accel::wide::kLanes});
+  std::vector<query::RayPacket> postponed(5, {0, accel::wide::kLanes});
   std::atomic<bool> cancelled{false};
   query::answer_postponed(postponed, caster, &cancelled,
                           [&](const query::RayPacket&, accel::lazy::WhenPending) {
-                            cancelled = postponed.size() == 2;
+                            cancelled = postponed.size() == 3;
                             return 0u;
                           });
   EXPECT_EQ(postponed.size(), 2u);

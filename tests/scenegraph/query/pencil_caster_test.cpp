@@ -113,7 +113,7 @@ int answered(const revision::Snapshot& snapshot, const std::vector<Ray>& rays,
   const auto given = accel::geometry::columns_of(std::span(rays));
   const auto found = accel::geometry::columns_of(std::span(hits));
   accel::kdtree::EpochPin pin;
-  const auto caster = std::make_unique<PencilCaster>(pin, snapshot.trees(), options, given, &found);
+  const auto caster = std::make_unique<PencilCaster>(pin, snapshot.trees(), options, given, found);
   return std::popcount(caster->cast(0, kPencilRays));
 }
 
