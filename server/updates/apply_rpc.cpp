@@ -56,8 +56,7 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
     auto work = services_.quotas.begin_work(caller_, 0, request_.ByteSizeLong());
     if (!work) return end(work.error());
     quota_ = std::move(*work);
-    // Once as messages, once decoded.
-    auto ticket = services_.admission.admit(caller_, 0, 2 * exec::bytes_on_arena(request_));
+    auto ticket = services_.admission.admit(caller_, 0, exec::bytes_on_arena(request_));
     if (!ticket) return end(ticket.error());
     ticket_ = std::move(*ticket);
     begin();
