@@ -26,7 +26,7 @@ namespace sightline::scenegraph::query {
 /// Where a scout waits.
 struct Arrival {
   struct Leave {
-    void operator()(accel::kdtree::RefCounted* owner) const { owner->leave(); }
+    void operator()(accel::kdtree::RefCounted* tree) const { tree->leave(); }
   };
 
   accel::lazy::Awaited at;

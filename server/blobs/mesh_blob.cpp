@@ -49,7 +49,8 @@ void reserve_untouched(std::vector<Row>& rows, std::uint64_t count) {
   const auto address = reinterpret_cast<std::uintptr_t>(rows.data());
   const std::uintptr_t begin = (address + page - 1) / page * page;
   const std::uintptr_t end = (address + rows.capacity() * sizeof(Row)) / page * page;
-  if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
+  auto* const bytes = reinterpret_cast<std::byte*>(rows.data());
+  if (begin < end) ::madvise(bytes + (begin - address), end - begin, MADV_DONTNEED);
 }
 
 }  // namespace
