@@ -11,9 +11,8 @@
 
 namespace sightline::server::exec {
 
-/// gRPC parses on the threads that answer small casts. There an update of 3,000 nodes as messages
-/// of their own took five times as long: most went into allocating and freeing them, and into
-/// counting their bytes.
+/// gRPC parses on the threads that answer small casts. Thousands of messages of their own would be
+/// allocated, counted and freed there, which takes longer than to parse them.
 template <class Request, class Reply>
 class ArenaMessages final : public grpc::MessageAllocator<Request, Reply> {
  public:

@@ -126,7 +126,7 @@ TEST(MeshBlob, WhatHasNotArrivedIsNotResident) {
   MeshBlobReader reader(header.size() + rows * 12);
   ASSERT_TRUE(reader.append(bytes_of(header)));
   EXPECT_LT(exec::resident_bytes() + rows * 10, before)
-      << "of the scratch nearly all is given back";
+      << "nearly all of the scratch is given back";
 }
 #endif
 
