@@ -122,7 +122,7 @@ void State::enforce_limits() {
     scenes::free_dropped_trees();
     reclaimer.measure();
     for (const bool for_large : {true, false}) {
-      if (memory.used() > memory.limit(exec::Held::kTrees)) reclaimer.reclaim(0, for_large);
+      if (memory.used_of_limit() > memory.limit()) reclaimer.reclaim(0, for_large);
     }
     trimmer.observe(memory.used(), exec::resident_bytes());
     return {};

@@ -170,11 +170,11 @@ Result<std::shared_ptr<Upload>> BlobStore::begin(const BlobDigest& digest, std::
     if (offset != 0) return resume(digest, offset);
     if (const auto old = set_aside_of(digest); old != pending_.end()) erase(old->upload.get());
   }
-  if (digest.size > memory_.limit(exec::Held::kUploads)) {
+  if (digest.size > memory_.limit()) {
     return Error{Code::kResourceExhausted,
                  fmt::format("a blob of {} bytes does not fit into the {} bytes for uploads of the "
                              "memory budget of {}",
-                             digest.size, memory_.limit(exec::Held::kUploads), memory_.budget()),
+                             digest.size, memory_.limit(), memory_.budget()),
                  exec::kMemoryBudget};
   }
   auto slot = upload_shares_.take(caller);

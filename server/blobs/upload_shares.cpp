@@ -29,7 +29,7 @@ UploadShares::UploadShares(exec::MemoryAccount& memory, std::size_t uploads, End
     : memory_(memory),
       end_one_(std::move(end_one)),
       slots_(exec::ShareLimits::of(uploads, kConnectionShareOfSlots)),
-      bytes_(exec::ShareLimits::of(memory.limit(exec::Held::kUploads), kConnectionShareOfBytes)) {}
+      bytes_(exec::ShareLimits::of(memory.limit(), kConnectionShareOfBytes)) {}
 
 Result<std::unique_ptr<UploadShares::Slot>> UploadShares::take(const exec::Caller& caller) {
   for (;;) {

@@ -29,11 +29,11 @@ void MemoryAccount::Charge::release() {
 }
 
 Result<MemoryAccount::Charge> MemoryAccount::charge(Held kind, std::uint64_t bytes) {
-  if (!fits(kind, bytes)) return over(kind, bytes);
+  if (!fits(kind, bytes)) return over(bytes);
   Charge charged = record(kind, bytes);
   if (fits(kind, 0)) return charged;
   charged = {};
-  return over(kind, bytes);
+  return over(bytes);
 }
 
 MemoryAccount::Charge MemoryAccount::record(Held kind, std::uint64_t bytes) {
@@ -72,9 +72,9 @@ Result<MemoryAccount::Charge> MemoryAccount::reclaim_and_charge(Held kind, std::
 Result<MemoryAccount::Charge> MemoryAccount::reclaim_and_charge_in_batch(Held kind,
                                                                          std::uint64_t bytes) {
   if (reclaim(kind, bytes)) return record(kind, bytes);
-  const std::uint64_t held = used();
-  if (held - std::min(held, retired()) + bytes <= limit(kind)) return record(kind, bytes);
-  return over(kind, bytes);
+  const std::uint64_t held = used_of_limit();
+  if (held - std::min(held, retired()) + bytes <= limit()) return record(kind, bytes);
+  return over(bytes);
 }
 
 Status MemoryAccount::reclaim(Held kind, std::uint64_t bytes, std::uint64_t held) {
@@ -82,9 +82,9 @@ Status MemoryAccount::reclaim(Held kind, std::uint64_t bytes, std::uint64_t held
   const std::uint64_t needed = bytes + (large ? parts_.small : 0);
   if (fits(kind, needed)) return {};
   // Nothing is dropped for what can never fit.
-  if (reclaim_ && needed <= limit(kind)) reclaim_(needed, large);
+  if (reclaim_ && needed <= limit()) reclaim_(needed, large);
   if (fits(kind, needed)) return {};
-  return over(kind, needed);
+  return over(needed);
 }
 
 std::uint64_t MemoryAccount::used() const {
@@ -110,20 +110,24 @@ std::vector<HeldBytes> MemoryAccount::tree_uses() const {
 }
 
 bool MemoryAccount::fits(Held kind, std::uint64_t bytes) const {
-  // The part of the calls is theirs whatever others hold: trees grow before they are measured.
-  if (kind == Held::kCalls && used(kind) + bytes <= parts_.calls) return true;
-  const std::uint64_t now = used(), most = limit(kind);
+  std::uint64_t most = limit();
+  if (kind == Held::kCalls) {
+    // The part of the calls is theirs whatever others hold: trees grow before they are measured.
+    if (used(kind) + bytes <= parts_.calls) return true;
+    if (bytes > kLargeCall) most -= parts_.small;
+  }
+  const std::uint64_t now = used_of_limit();
   return now <= most && bytes <= most - now;
 }
 
-Error MemoryAccount::over(Held kind, std::uint64_t bytes) const {
+Error MemoryAccount::over(std::uint64_t bytes) const {
   return {
       Code::kResourceExhausted,
       fmt::format("{} of {} bytes are held (the memory budget is {}), and {} more do not fit: {} "
                   "for meshes, {} for uploads, {} for patched meshes, {} for nodes, {} for "
                   "logs, {} for revisions, {} for trees, {} for calls",
-                  used(), limit(kind), budget_, bytes, used(Held::kMeshes), used(Held::kUploads),
-                  used(Held::kPatches), used(Held::kNodes), used(Held::kLogs),
+                  used_of_limit(), limit(), budget_, bytes, used(Held::kMeshes),
+                  used(Held::kUploads), used(Held::kPatches), used(Held::kNodes), used(Held::kLogs),
                   used(Held::kRevisions), used(Held::kTrees), used(Held::kCalls)),
       kMemoryBudget};
 }

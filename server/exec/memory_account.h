@@ -33,7 +33,7 @@ inline constexpr std::size_t kHeldKinds = 8;
 
 /// The parts of a budget that are kept free of what all others hold.
 struct MemoryParts {
-  std::uint64_t calls = 0;      ///< Only kCalls may use them.
+  std::uint64_t calls = 0;      ///< kCalls have them beside what all others hold.
   std::uint64_t transport = 0;  ///< gRPC's, for messages that have not arrived in full.
   std::uint64_t small = 0;      ///< What is large does not use them: see MemoryAccount::is_large().
 
@@ -44,9 +44,11 @@ struct MemoryParts {
   }
 };
 
-/// What holds more than 1 / kLargeShare of the budget, or more than kLarge bytes, is large.
+/// What holds more than 1 / kLargeShare of the budget, or more than kLarge bytes, is large. A call
+/// is large above kLargeCall: there are many at a time.
 inline constexpr std::uint64_t kLargeShare = 64;
 inline constexpr std::uint64_t kLarge = std::uint64_t{4} << 20;
+inline constexpr std::uint64_t kLargeCall = std::uint64_t{64} << 10;
 
 /// The reason of the error when the budget is used up.
 inline constexpr const char* kMemoryBudget = "MEMORY_BUDGET";
@@ -93,12 +95,13 @@ class MemoryAccount {
   explicit MemoryAccount(std::uint64_t budget, MemoryParts parts = {})
       : budget_(budget),
         parts_(parts),
-        trees_(std::make_shared<accel::kdtree::TreeMemory>(limit(Held::kTrees))) {}
+        trees_(std::make_shared<accel::kdtree::TreeMemory>(limit())) {}
 
   /// Call it before the first charge.
   void set_reclaim(Reclaim reclaim) { reclaim_ = std::move(reclaim); }
 
-  /// Errors: kResourceExhausted, naming the use and the limit. Never waits; drops nothing.
+  /// A large call that does not fit into the calls' part leaves MemoryParts::small free. Errors:
+  /// kResourceExhausted, naming the use and the limit. Never waits; drops nothing.
   Result<Charge> charge(Held kind, std::uint64_t bytes);
   /// For bytes that are held in any case.
   Charge record(Held kind, std::uint64_t bytes);
@@ -134,9 +137,12 @@ class MemoryAccount {
   /// The parts of used(Held::kTrees).
   std::vector<HeldBytes> tree_uses() const;
   std::uint64_t budget() const { return budget_; }
-  /// The part of the budget that this kind may fill.
-  std::uint64_t limit(Held kind) const {
-    return budget_ - parts_.transport - (kind == Held::kCalls ? 0 : parts_.calls);
+  /// What all may hold together without the parts of the calls and of the transport.
+  std::uint64_t limit() const { return budget_ - parts_.transport - parts_.calls; }
+  /// What is held of that: used() without what calls hold in their part.
+  std::uint64_t used_of_limit() const {
+    const std::uint64_t in_part = std::min(used(Held::kCalls), parts_.calls);
+    return std::max(used(), in_part) - in_part;
   }
   /// Whether one that holds so much leaves the part of what is small free.
   bool is_large(std::uint64_t bytes) const {
@@ -147,7 +153,7 @@ class MemoryAccount {
   static std::size_t index(Held kind) { return static_cast<std::size_t>(kind); }
   void add(Held kind, std::uint64_t bytes);
   bool fits(Held kind, std::uint64_t bytes) const;
-  Error over(Held kind, std::uint64_t bytes) const;
+  Error over(std::uint64_t bytes) const;
 
   const std::uint64_t budget_;
   const MemoryParts parts_;

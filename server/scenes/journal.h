@@ -119,6 +119,8 @@ struct KeptScene {
   store::SceneId number = 0;
   /// If other servers write to the journal, too; else null.
   std::shared_ptr<Replica> replica = nullptr;
+  /// What its nodes took when they were read the last time, as far as that went. 0: not known.
+  std::uint64_t node_bytes = 0;
 };
 
 /// Keeps scenes. Threads: any, for every member.

@@ -124,7 +124,7 @@ bool Reclaimer::is_large(const scenegraph::revision::Snapshot& scene) const {
 
 bool Reclaimer::fits(std::uint64_t bytes) const {
   // What is retired is freed soon, and nothing is dropped in its place.
-  const std::uint64_t held = memory_.used(), limit = memory_.limit(exec::Held::kTrees);
+  const std::uint64_t held = memory_.used_of_limit(), limit = memory_.limit();
   const std::uint64_t used = held - std::min(held, memory_.retired());
   return used <= limit && bytes <= limit - used;
 }

@@ -103,14 +103,16 @@ Status StoredScene::load(exec::Compute& compute) {
   if (loaded()) return {};
   const std::lock_guard lock(loading_);
   if (loaded()) return {};
+  if (failed()) return read_;  // SceneStore::get() replaces it: this one has a part of its batches
+  if (Status fits = memory_.reclaim(exec::Held::kNodes, unread_bytes_); !fits) return fits;
   compute_.store(&compute, std::memory_order_release);
   const Clock::time_point begun = Clock::now();
   Loader loader(*this);
-  Status read = exec::to_status([&] { return journal_->load(loader); });
-  if (!read) {
+  read_ = exec::to_status([&] { return journal_->load(loader); });
+  if (!read_) {
     failed_.store(true, std::memory_order_release);
-    spdlog::error("event=scene_not_loaded scene={} error={}", info_.name, read.error().message);
-    return read;
+    spdlog::error("event=scene_not_loaded scene={} error={}", info_.name, read_.error().message);
+    return read_;
   }
   loaded_.store(true, std::memory_order_release);
   const auto time = std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - begun);

@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cassert>
 #include <utility>
 #include <vector>
 
@@ -113,7 +114,9 @@ Result<std::shared_ptr<StoredScene>> SceneStore::get(const std::string& name) {
   }
   if (!scene || !(*scene)->failed()) return scene;
   // What could not be read may be readable now; what was read of it is dropped.
-  auto fresh = std::make_shared<StoredScene>((*scene)->info(), memory_, (*scene)->kept());
+  KeptScene kept = (*scene)->kept();
+  assert(kept.unread);
+  auto fresh = std::make_shared<StoredScene>((*scene)->info(), memory_, std::move(kept));
   const std::lock_guard lock(mutex_);
   const auto found = scenes_.find(name);
   if (found == scenes_.end()) return unknown_scene(name);

@@ -69,17 +69,20 @@ Result<scenegraph::Applied> StoredScene::apply_at_head(
   const auto needed = needed_by(*before, updates);
   if (!needed) return needed.error();
   const Replaced replaced = bytes_replaced(*before, updates);
-  if (needed->bytes() > 0) {
-    // While there are readers of it, both revisions are held.
-    const Status fits =
-        memory_.reclaim(exec::Held::kPatches, needed->bytes() + replaced.bytes - replaced.meshes,
-                        bytes_of_scene(before->node_count(), 0));
-    if (!fits) return fits.error();
-  }
+  // While there are readers of it, both revisions are held.
+  const std::uint64_t kept = replaced.bytes - replaced.meshes;
   auto publication = std::make_shared<Publication>();
   publication->replaced = replaced;
-  publication->held =
-      memory_.record(exec::Held::kNodes, needed->nodes + replaced.bytes - replaced.meshes);
+  if (needed->bytes() > 0) {
+    const Status fits = memory_.reclaim(exec::Held::kPatches, needed->bytes() + kept,
+                                        bytes_of_scene(before->node_count(), 0));
+    if (!fits) return fits.error();
+    auto held = memory_.charge(exec::Held::kNodes, needed->nodes + kept);
+    if (!held) return held.error();
+    publication->held = std::move(*held);
+  } else {
+    publication->held = memory_.record(exec::Held::kNodes, kept);
+  }
   publication->names = bytes_of_names(updates);
   WriteLine::Prepared item;
   const auto prepare = [&](const scenegraph::Applied& next) {

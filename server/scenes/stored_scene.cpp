@@ -53,6 +53,7 @@ StoredScene::StoredScene(SceneInfo info, exec::MemoryAccount& memory, KeptScene 
       journal_(std::move(kept.journal)),
       nodes_(memory.record(exec::Held::kNodes, bytes_of_scene(0, 0))),
       unread_(kept.unread),
+      unread_bytes_(kept.node_bytes),
       loaded_(!kept.unread) {
   if (journal_ == nullptr) return;
   WriteLine::Parts parts{.journal = *journal_,
@@ -69,12 +70,18 @@ StoredScene::StoredScene(SceneInfo info, exec::MemoryAccount& memory, KeptScene 
 StoredScene::~StoredScene() {
   auto kept = recent_.drop_all();
   forget(kept);
-  past_.add(*scene_.snapshot(), memory_.record(exec::Held::kRevisions, nodes_.bytes()));
+  const std::uint64_t bytes = nodes_.bytes();
+  nodes_ = {};
+  past_.add(*scene_.snapshot(), memory_.record(exec::Held::kRevisions, bytes));
 }
 
 KeptScene StoredScene::kept() const {
-  return {journal_, incarnation_, unread(), number_,
-          follower_ ? follower_->shared_replica() : nullptr};
+  return {.journal = journal_,
+          .incarnation = incarnation_,
+          .unread = unread(),
+          .number = number_,
+          .replica = follower_ ? follower_->shared_replica() : nullptr,
+          .node_bytes = std::max(nodes_.bytes(), loaded() ? 0 : unread_bytes_)};
 }
 
 std::optional<std::uint64_t> StoredScene::unread() const {

@@ -248,7 +248,9 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   SceneEvents events_;
   std::atomic<bool> removed_{false};
   std::mutex loading_;  // held while the scene is loaded
+  Status read_;         // the reason, if that failed; protected by loading_
   const std::optional<std::uint64_t> unread_;
+  const std::uint64_t unread_bytes_;  // what its nodes will take at least
   std::atomic<bool> loaded_, failed_{false};
   std::mutex freeing_mutex_;  // held while memory is freed
   std::mutex dropped_mutex_;  // protects the next

@@ -36,6 +36,7 @@ class GoodClient:
                          for writer in range(world.WRITERS)]
         self._nodes = np.array([[node.number for node in row] for row in nodes], np.uint64)
         self._sequences = {batch.applied.revision: 0}
+        self._failed = []  # updates that may have been made
         self._threads = [threading.Thread(target=self._run, args=arguments, daemon=True) for arguments in
                          (("cast", self._cast, _PAUSE), ("update", self._update, 1.0), ("upload", self._upload, 1.0))]
         for thread in self._threads:
@@ -50,11 +51,18 @@ class GoodClient:
         self._ends.set()
         for thread in self._threads:
             thread.join(90)
-        states = {revision: world.State([sequence] + [0] * (world.WRITERS - 1)) for revision, sequence in self._sequences.items()}
-        for seed, revision, t, node in self._answers:
-            if revision in states:  # an update whose call failed may have been made: its revision was not heard of
+        by_revision = {}
+        for answer in self._answers:
+            by_revision.setdefault(answer[1], []).append(answer)
+        for revision, answers in by_revision.items():
+            # What no call has told of is an update whose call failed.
+            sequences = [self._sequences[revision]] if revision in self._sequences else list(self._failed)
+            for seed, _, t, node in answers:
+                agreed = [sequence for sequence in sequences if world.State([sequence] + [0] * (world.WRITERS - 1)).agrees(
+                    _rays(seed), self._nodes.ravel(), (t, node))]
                 self.checked += 1
-                self.wrong += not states[revision].agrees(_rays(seed), self._nodes.ravel(), (t, node))
+                self.wrong += not agreed
+                sequences = agreed or sequences
 
     def _connect(self):
         return sightline.connect(self._endpoint, token=self._token)
@@ -81,7 +89,11 @@ class GoodClient:
         request = _proto.ApplyUpdatesRequest(
             scene=client.scene(self._scene).name, request_id=uuid.uuid4().hex,
             updates=updates.set_transforms(self._nodes[0], world.transforms(0, number)))
-        revision = client._connection.call("ApplyUpdates", request).revision.revision
+        try:
+            revision = client._connection.call("ApplyUpdates", request).revision.revision
+        except sightline.SightlineError:
+            self._failed.append(number)
+            raise
         self._sequences[revision] = number
 
     def _upload(self, client, number):

@@ -96,6 +96,32 @@ TEST(MemoryAccount, CallsHaveAPartForThemselves) {
   EXPECT_FALSE(memory.charge(Held::kCalls, 1));
 }
 
+TEST(MemoryAccount, CallsInTheirPartTakeNothingFromOthers) {
+  MemoryAccount memory(1000, {.calls = 200});
+  const auto calls = memory.charge(Held::kCalls, 150);
+  EXPECT_TRUE(calls);
+  EXPECT_EQ(memory.used(), 150u);
+  EXPECT_EQ(memory.used_of_limit(), 0u);
+  const auto mesh = memory.charge(Held::kMeshes, 800);
+  EXPECT_TRUE(mesh);
+  EXPECT_FALSE(memory.charge(Held::kNodes, 1));
+  EXPECT_TRUE(memory.charge(Held::kCalls, 50));
+  EXPECT_FALSE(memory.charge(Held::kCalls, 51));
+}
+
+TEST(MemoryAccount, LargeCallsBeyondTheirPartLeaveAPartForWhatIsSmall) {
+  constexpr std::uint64_t kPart = 10 * kLargeCall;
+  MemoryAccount memory(100 * kLargeCall, {.calls = kPart, .small = kPart});
+  const auto first = memory.charge(Held::kCalls, kPart);
+  const auto more = memory.charge(Held::kCalls, 80 * kLargeCall);
+  EXPECT_TRUE(first);
+  EXPECT_TRUE(more);
+  EXPECT_FALSE(memory.charge(Held::kCalls, kLargeCall + 1));
+  const auto small_call = memory.charge(Held::kCalls, kLargeCall);
+  EXPECT_TRUE(small_call);
+  EXPECT_TRUE(memory.reclaim_and_charge(Held::kNodes, kLargeCall));
+}
+
 TEST(MemoryAccount, WhatIsRetiredDoesNotCountForABatch) {
   using accel::kdtree::TreeBytes;
   MemoryAccount memory(1000);

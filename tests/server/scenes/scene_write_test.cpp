@@ -237,5 +237,41 @@ TEST_F(SceneWriteTest, ALoadedSceneIsWhatWasCommitted) {
   commit();  // ends the wait of the last write
 }
 
+/// Those who wait while a scene is read must not go on with the part that was read.
+TEST_F(SceneWriteTest, ASceneThatCouldNotBeReadIsReadByAnother) {
+  for (int i = 0; i < 4; ++i) {
+    put();
+    commit();
+  }
+  exec::MemoryAccount memory(bytes_of_scene(4, 0) + 3000);
+  auto hog = memory.record(exec::Held::kMeshes, 2500);
+  const auto failed =
+      std::make_shared<StoredScene>(scene_->info(), memory, KeptScene{journal_, 7, 4});
+  ASSERT_EQ(failed->load(compute_).error().reason, exec::kMemoryBudget);
+  EXPECT_GT(failed->snapshot()->revision(), 0u) << "a part was read";
+  hog = {};
+  EXPECT_EQ(failed->load(compute_).error().reason, exec::kMemoryBudget);
+  EXPECT_TRUE(failed->failed());
+  EXPECT_FALSE(failed->loaded());
+  const KeptScene kept = failed->kept();
+  EXPECT_EQ(kept.unread, 4u);
+  EXPECT_GE(kept.node_bytes, bytes_of_scene(failed->snapshot()->node_count(), 0));
+  const auto fresh = std::make_shared<StoredScene>(scene_->info(), memory_, kept);
+  ASSERT_TRUE(fresh->load(compute_));
+  EXPECT_EQ(fresh->snapshot()->node_count(), 4u);
+}
+
+TEST_F(SceneWriteTest, ASceneThatDidNotFitIsNotReadBeforeItMay) {
+  put();
+  commit();
+  exec::MemoryAccount memory(std::uint64_t{1} << 20);
+  const auto large = std::make_shared<StoredScene>(
+      scene_->info(), memory,
+      KeptScene{.journal = journal_, .unread = 1, .node_bytes = std::uint64_t{1} << 20});
+  EXPECT_EQ(large->load(compute_).error().reason, exec::kMemoryBudget);
+  EXPECT_EQ(large->snapshot()->revision(), 0u);
+  EXPECT_FALSE(large->failed()) << "it may be read later";
+}
+
 }  // namespace
 }  // namespace sightline::server::scenes
