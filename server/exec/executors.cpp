@@ -15,9 +15,9 @@ constexpr std::chrono::milliseconds kSmallLongAfter{10};
 Compute::Compute(int threads)
     : threads_(threads),
       parallelism_(oneapi::tbb::global_control::max_allowed_parallelism,
-                   (2 + 3 * FairWorkers::kArenas) * static_cast<std::size_t>(threads) + 1),
-      updates_(threads, 0),
+                   (1 + 4 * FairWorkers::kArenas) * static_cast<std::size_t>(threads) + 1),
       management_(threads, 0),
+      updates_({.threads = threads}),
       background_({.threads = threads, .priority = kBackgroundPriority}),
       queries_({.threads = threads, .priority = kQueryPriority}),
       small_({.threads = threads,
@@ -66,7 +66,8 @@ void Strand::post(Compute& compute, std::function<void()> task) {
 }
 
 void Strand::run_next(Compute& compute, std::shared_ptr<State> state) {
-  compute.enqueue_update([&compute, state = std::move(state)]() mutable {
+  const FlowKey& key = state->key;
+  compute.enqueue_update(key, [&compute, state = std::move(state)]() mutable {
     std::function<void()> task;
     {
       const std::lock_guard lock(state->mutex);

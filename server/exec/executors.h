@@ -17,6 +17,11 @@
 
 namespace sightline::server::exec {
 
+/// The turns of a caller's work at a scene. Empty: at none.
+inline FlowKey flow_of(const Caller& caller, std::string scene = {}) {
+  return {caller.principal, caller.connection, std::move(scene)};
+}
+
 /// Worker threads for five kinds of work: queries, small queries, background work, updates and
 /// management. No kind delays another: the system divides the processors among them. RPC threads
 /// only enqueue.
@@ -34,7 +39,7 @@ class Compute {
   /// As enqueue(), for other work() of a caller, such as a part of an upload. It must not throw.
   template <class Work>
   void enqueue_work(const Caller& caller, Work work) {
-    push(queries_, {caller.principal, caller.connection, {}}, job_of(std::move(work)));
+    push(queries_, flow_of(caller), job_of(std::move(work)));
   }
 
   /// As enqueue(), on workers for queries of few rays.
@@ -59,10 +64,11 @@ class Compute {
     enqueue_in(management_, std::move(work));
   }
 
-  /// As enqueue_management(), on a worker for updates.
+  /// Runs work() on a worker for updates, in turn with those of other callers and scenes. What
+  /// takes long, such as reading a scene, delays no other. It must not throw. Threads: any.
   template <class Work>
-  void enqueue_update(Work work) {
-    enqueue_in(updates_, std::move(work));
+  void enqueue_update(const FlowKey& key, Work work) {
+    push(updates_, key, job_of(std::move(work)));
   }
 
   int threads() const { return threads_; }
@@ -102,8 +108,8 @@ class Compute {
   const int threads_;
   // oneTBB counts the main thread too, which here only waits for a signal.
   oneapi::tbb::global_control parallelism_;
-  oneapi::tbb::task_arena updates_, management_;
-  FairWorkers background_, queries_, small_;
+  oneapi::tbb::task_arena management_;
+  FairWorkers updates_, background_, queries_, small_;
   std::mutex mutex_;
   std::condition_variable idle_;
   std::size_t pending_ = 0;  // tasks of every kind: one may enqueue others
@@ -114,18 +120,24 @@ class Compute {
 /// another strand. A task may own the strand it runs on.
 class Strand {
  public:
+  /// `key`: the turns that its tasks take.
+  explicit Strand(FlowKey key = {}) : state_(std::make_shared<State>(std::move(key))) {}
+
   /// Runs task() after all tasks posted before. It must not throw. Threads: any.
   void post(Compute& compute, std::function<void()> task);
 
  private:
   struct State {
+    explicit State(FlowKey k) : key(std::move(k)) {}
+
+    const FlowKey key;
     std::mutex mutex;
     std::deque<std::function<void()>> tasks;
     bool running = false;
   };
   static void run_next(Compute& compute, std::shared_ptr<State> state);
 
-  const std::shared_ptr<State> state_ = std::make_shared<State>();
+  const std::shared_ptr<State> state_;
 };
 
 }  // namespace sightline::server::exec

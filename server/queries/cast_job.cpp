@@ -39,7 +39,7 @@ Status CastJob::open(const v1::CastRaysRequest& request) {
   if (!scene) return scene.error();
   query_ = std::move(*query);
   scene_ = std::move(*scene);
-  flow_ = {caller_.principal, caller_.connection, request.scene()};
+  flow_ = exec::flow_of(caller_, request.scene());
   if (is_for_all_shards(query_, services_)) open_sharded(request);
   return {};
 }

@@ -30,12 +30,12 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
         context_(context),
         unread_(services.unread),
         calls_(request.has_shard() ? services.shard_prefetches : services.prefetches),
-        flow_{caller.principal, caller.connection, request.scene()},
+        flow_(exec::flow_of(caller, request.scene())),
         job_(services, context, std::move(caller)) {}
 
   /// `request` lives as long as the call.
   void start(const v1::PrefetchRequest& request) {
-    compute_.enqueue_update([this, &request] { begin(request); });
+    compute_.enqueue_update(flow_, [this, &request] { begin(request); });
   }
 
   void begin(const v1::PrefetchRequest& request) {

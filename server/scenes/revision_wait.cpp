@@ -17,13 +17,14 @@ void RevisionWait::read(std::shared_ptr<StoredScene> scene, const v1::Consistenc
                         Deadline deadline, std::size_t bytes, const exec::Caller& caller,
                         Done done) {
   if (!scene->loaded()) {
-    return compute_.enqueue_update([this, self = shared_from_this(), scene = std::move(scene),
-                                    &consistency, deadline, bytes, caller,
-                                    done = std::move(done)]() mutable {
-      const Status loaded = scene->load(compute_);
-      if (!loaded) return done(loaded.error());
-      read(std::move(scene), consistency, deadline, bytes, caller, std::move(done));
-    });
+    const exec::FlowKey flow = exec::flow_of(caller, scene->info().name);
+    return compute_.enqueue_update(
+        flow, [this, self = shared_from_this(), scene = std::move(scene), &consistency, deadline,
+               bytes, caller, done = std::move(done)]() mutable {
+          const Status loaded = scene->load(compute_);
+          if (!loaded) return done(loaded.error());
+          read(std::move(scene), consistency, deadline, bytes, caller, std::move(done));
+        });
   }
   if (consistency.requirement_case() == v1::Consistency::kExactRevision)
     return read_exactly(scene, consistency.exact_revision(), std::move(done));

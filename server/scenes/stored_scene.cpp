@@ -54,7 +54,8 @@ StoredScene::StoredScene(SceneInfo info, exec::MemoryAccount& memory, KeptScene 
       nodes_(memory.record(exec::Held::kNodes, bytes_of_scene(0, 0))),
       unread_(kept.unread),
       unread_bytes_(kept.node_bytes),
-      loaded_(!kept.unread) {
+      loaded_(!kept.unread),
+      write_queue_({"", info_.name, info_.name}) {
   if (journal_ == nullptr) return;
   WriteLine::Parts parts{.journal = *journal_,
                          .roll_back = [this] { scene_.drop_unpublished(); },

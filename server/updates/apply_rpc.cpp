@@ -67,7 +67,7 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
 
  private:
   void begin() {
-    services_.compute.enqueue_update([this] {
+    services_.compute.enqueue_update(exec::flow_of(caller_, request_.scene()), [this] {
       if (const Status ready = exec::to_status([this] { return prepare(); }); !ready)
         return end(ready);
       scene_->write_queue().post(services_.compute, [this] { run(); });

@@ -118,7 +118,7 @@ class PutSceneCall final : public grpc::ServerReadReactor<v1::PutSceneRequest> {
 
   /// Waits for the disk, as a worker for updates may.
   void make_soon() {
-    services_.compute.enqueue_update([this] {
+    services_.compute.enqueue_update(exec::flow_of(caller_, scene_.draft->info().name), [this] {
       const Status made = exec::to_status([this] { return make(); });
       quota_ = {};
       end(made);

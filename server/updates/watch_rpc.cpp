@@ -75,7 +75,8 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
 
   /// `request` lives as long as the call.
   void start(const v1::WatchSceneRequest& request) {
-    services_.compute.enqueue_update([this, &request] { begin(request); });
+    services_.compute.enqueue_update(exec::flow_of(caller_, request.scene()),
+                                     [this, &request] { begin(request); });
   }
 
   void begin(const v1::WatchSceneRequest& request) {
@@ -189,7 +190,8 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
       if (!ending_) {
         if (!progress_due_ && !cursor_->behind()) return;
         working_ = true;
-        return services_.compute.enqueue_update([this] { encode(); });
+        return services_.compute.enqueue_update(exec::flow_of(caller_, scene_->info().name),
+                                                [this] { encode(); });
       }
       if (ticking_) return;
       ended_ = true;

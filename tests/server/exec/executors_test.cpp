@@ -8,6 +8,7 @@
 #include <functional>
 #include <future>
 #include <memory>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -65,7 +66,7 @@ using Enqueue = void (*)(Compute&, std::function<void()>);
 constexpr Enqueue kKinds[] = {
     [](Compute& c, std::function<void()> task) { c.enqueue({}, job_of(std::move(task))); },
     [](Compute& c, std::function<void()> task) { c.enqueue_small({}, job_of(std::move(task))); },
-    [](Compute& c, std::function<void()> task) { c.enqueue_update(std::move(task)); },
+    [](Compute& c, std::function<void()> task) { c.enqueue_update({}, std::move(task)); },
     [](Compute& c, std::function<void()> task) { c.enqueue_management(std::move(task)); },
     [](Compute& c, std::function<void()> task) { c.enqueue_background(std::move(task)); }};
 
@@ -79,6 +80,23 @@ TEST(Compute, NoKindOfWorkDelaysAnother) {
     const auto run = std::make_shared<std::promise<void>>();
     free(compute, [run] { run->set_value(); });
     EXPECT_TRUE(has_run(run->get_future()));
+  }
+}
+
+TEST(Compute, LongUpdatesDelayNoOtherScene) {
+  for (const int threads : {1, 2}) {
+    Compute compute(threads);
+    const Blockers blockers;
+    for (int i = 0; i < 2; ++i) {
+      const std::string name = std::to_string(i);
+      compute.enqueue_update({name, name, name}, blockers.task());
+    }
+    Strand queue({"", "scene", "scene"});
+    for (int i = 0; i < 20; ++i) {
+      const auto run = std::make_shared<std::promise<void>>();
+      queue.post(compute, [run] { run->set_value(); });
+      EXPECT_TRUE(has_run(run->get_future()));
+    }
   }
 }
 
