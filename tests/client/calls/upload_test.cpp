@@ -1,7 +1,9 @@
 // Uploads of meshes.
+#include <grpcpp/server_builder.h>
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,6 +19,30 @@ namespace v1 = ::sightline::v1;
 using Upload = tests::LiveClient;
 
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
+
+/// Fails each call after two chunks, as the transport of a server short of memory does.
+class ShortOfMemory final : public v1::BlobService::Service {
+ public:
+  grpc::Status GetUploadStatus(grpc::ServerContext*, const v1::GetUploadStatusRequest*,
+                               v1::GetUploadStatusResponse* reply) override {
+    reply->set_committed_size(received.size());
+    return grpc::Status::OK;
+  }
+  grpc::Status UploadBlob(grpc::ServerContext*, grpc::ServerReader<v1::UploadBlobRequest>* reader,
+                          v1::UploadBlobResponse*) override {
+    ++calls;
+    v1::UploadBlobRequest chunk;
+    for (int taken = 0; taken < 2 && reader->Read(&chunk); ++taken) {
+      EXPECT_EQ(chunk.offset(), received.size());
+      received += chunk.data();
+      if (chunk.finish()) return grpc::Status::OK;
+    }
+    return {grpc::RESOURCE_EXHAUSTED, "RST_STREAM"};
+  }
+
+  int calls = 0;
+  std::string received;
+};
 
 TEST_F(Upload, AnUploadedMeshIsNotMissing) {
   const importer::ImportedMesh mesh = tests::sheets(3);
@@ -62,6 +88,24 @@ TEST_F(Upload, ResumesWhereItStopped) {
       blob, blob.digest(), [&](std::uint64_t bytes) { first = first == 0 ? bytes : first; }));
   EXPECT_EQ(first, 2 * kChunkBytes);
   EXPECT_TRUE(client_.missing_meshes(std::vector{blob.digest()})->empty());
+}
+
+TEST(UploadToOneShortOfMemory, GoesOnWhereItStopped) {
+  const importer::ImportedMesh mesh = tests::sheets(50000);
+  const MeshBlob blob(mesh.vertices, mesh.faces);
+  ShortOfMemory service;
+  int port = 0;
+  const auto server = grpc::ServerBuilder()
+                          .AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port)
+                          .RegisterService(&service)
+                          .BuildAndStart();
+  auto client = Client::connect("127.0.0.1:" + std::to_string(port));
+  ASSERT_TRUE(client);
+  ASSERT_TRUE(client->upload_mesh(blob, blob.digest()));
+  EXPECT_EQ(service.calls, 2);
+  std::string sent(blob.size(), 0);
+  blob.copy(0, std::as_writable_bytes(std::span(sent)));
+  EXPECT_EQ(service.received, sent);
 }
 
 TEST_F(Upload, AWrongDigestIsDataLoss) {
