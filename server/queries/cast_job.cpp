@@ -20,9 +20,6 @@ namespace {
 /// A stream that rests keeps the memory for this number of rays.
 constexpr std::size_t kIdleRays = 256;
 
-/// Bytes of a reply with every field that DerivedColumns does not write.
-constexpr std::size_t kReplyBytesPerRay = 48;
-
 std::uint64_t microseconds(std::chrono::steady_clock::duration time) {
   return static_cast<std::uint64_t>(
       std::chrono::duration_cast<std::chrono::microseconds>(time).count());
@@ -56,39 +53,8 @@ Status CastJob::accept(const v1::CastRaysRequest& request) {
   batch_time_ = {};
   begin_budget(request.time_budget_ms());
   if (Status good = batch_.begin(request); !good) return good;
-  const std::size_t count = batch_.size();
-  auto quota = services_.quotas.begin_work(caller_, count, request.ByteSizeLong());
-  if (!quota) return quota.error();
-  const bool lists = query_.kind == scenegraph::QueryKind::kAll;
-  if (lists && replies_ == Replies::kOne && count * query_.max_hits > kMaxHitsPerReply) {
-    return Error{Code::kInvalidArgument,
-                 fmt::format("{} rays with up to {} hits each are {} hits, the limit of one reply "
-                             "is {}; send fewer, lower max_hits or use StreamCastRays",
-                             count, query_.max_hits, count * query_.max_hits, kMaxHitsPerReply),
-                 "TOO_MANY_HITS"};
-  }
-  // Enough for rays that are made for a slice, too.
-  constexpr std::size_t kSliceBytesPerRay =
-      sizeof(accel::geometry::Ray) + sizeof(accel::geometry::Hit);
-  const std::size_t decoded = lists ? count : std::min(count, kRaysPerSlice);
-  const std::size_t rows = lists ? std::min(count * query_.max_hits, kMaxHitsPerReply) : count;
-  std::size_t bytes = request.ByteSizeLong() + decoded * kSliceBytesPerRay +
-                      count * kReplyBytesPerRay + derived_bytes(query_, rows) +
-                      sharded_bytes(count, lists ? rows : 0);
-  if (lists) {
-    bytes += hit_pager_bytes(count, query_.max_hits, services_.compute.threads(), first_list());
-    auto all_hits = services_.all_hits_admission.admit(caller_, count, bytes);
-    if (!all_hits) return all_hits.error();
-    all_hits_ticket_ = std::move(*all_hits);
-  }
-  auto ticket = services_.admission.admit(caller_, count, bytes);
-  if (!ticket && count <= kSmallCast) {
-    if (auto reserve = services_.small_admission.admit(caller_, count, bytes))
-      ticket = std::move(reserve);
-  }
-  if (!ticket) return ticket.error();
-  ticket_ = std::move(*ticket);
-  quota_ = std::move(*quota);
+  if (Status admitted = admission_.admit(request, query_, batch_.size(), is_sharded()); !admitted)
+    return admitted;
   queued_ = {};
   begun_ = false;
   return {};
@@ -216,12 +182,7 @@ void CastJob::push(exec::Slice slice) {
 /// The admission is given back before the last reply is written: a client that is slow to read must
 /// not hold up the others. `done` may delete this.
 void CastJob::end(const Status& status, const Done& done) {
-  quota_ = {};
-  ticket_ = {};
-  all_hits_ticket_ = {};
-  more_ticket_ = {};
-  more_all_hits_ticket_ = {};
-  lists_more_ = false;
+  admission_.release();
   alarm_ = {};
   done(status);
 }
@@ -290,7 +251,8 @@ Status CastJob::begin() {
   if (query_.kind == scenegraph::QueryKind::kAll) {
     rays_.resize(batch_.size());
     batch_.decode(0, rays_);
-    pager_.begin(rays_, first_list(), replies_ == Replies::kOne ? kMaxHitsPerReply : kHitsPerPart);
+    pager_.begin(rays_, admission_.first_list(),
+                 replies_ == Replies::kOne ? kMaxHitsPerReply : kHitsPerPart);
   }
   begun_ = true;
   return {};
@@ -314,7 +276,8 @@ Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
   reply.clear_more();
   progress = Progress::kDone;
   if (query_.kind == scenegraph::QueryKind::kAll) {
-    if (pager_.goes_on() && !lists_more_) list_more();
+    if (pager_.goes_on() && admission_.list_more(query_, batch_.size()))
+      pager_.set_list_size(kFullList);
     Status made = pager_.next(*snapshot_, options(), query_.fields, reply);
     if (!reply.more()) stats_ += pager_.stats();
     return made;
@@ -331,28 +294,6 @@ Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
   answered_ += count;
   if (answered_ < batch_.size()) progress = Progress::kMore;
   return {};
-}
-
-/// A single reply has all hits.
-const ListSize& CastJob::first_list() const {
-  return replies_ == Replies::kOne ? kFullList : kFirstList;
-}
-
-/// There are many hits: books what it takes to list more of them at a time. Where that is not
-/// granted, lists stay as short as the first.
-void CastJob::list_more() {
-  const auto bytes = [this](const ListSize& size) {
-    return hit_pager_bytes(batch_.size(), query_.max_hits, services_.compute.threads(), size);
-  };
-  const std::size_t more = bytes(kFullList) - bytes(kFirstList);
-  auto of_all_hits = services_.all_hits_admission.admit(caller_, 0, more);
-  if (!of_all_hits) return;
-  auto of_all = services_.admission.admit(caller_, 0, more);
-  if (!of_all) return;
-  more_all_hits_ticket_ = std::move(*of_all_hits);
-  more_ticket_ = std::move(*of_all);
-  pager_.set_list_size(kFullList);
-  lists_more_ = true;
 }
 
 /// Closest or any hits of the next rays, written to `hits`, and the columns that follow from them.

@@ -17,13 +17,12 @@
 #include "proto/result.h"
 #include "scenegraph/query/selection.h"
 #include "scenegraph/trace.h"
-#include "server/exec/admission.h"
 #include "server/exec/caller.h"
 #include "server/exec/deadlines.h"
 #include "server/exec/executors.h"
 #include "server/exec/fair_queue.h"
-#include "server/exec/quotas.h"
 #include "server/queries/batch_rays.h"
+#include "server/queries/cast_admission.h"
 #include "server/queries/cast_query.h"
 #include "server/queries/derived_columns.h"
 #include "server/queries/hit_codec.h"
@@ -35,17 +34,10 @@
 
 namespace sightline::server::queries {
 
-/// Casts of up to this number of rays have their own workers and a reserve of admission.
-inline constexpr std::size_t kSmallCast = 256;
 /// Casts of up to this number of rays are answered in the thread that asks for them, if they meet
 /// built cells alone.
 inline constexpr std::size_t kImmediateCast = 16;
-/// Most rays of one slice of a batch. Lists of hits are sliced by HitPager.
-inline constexpr std::size_t kRaysPerSlice = 4096;
 static_assert(kRaysPerSlice % kRaysPerBitsByte == 0);
-
-/// How many messages may answer a batch.
-enum class Replies : std::uint8_t { kOne, kMany };
 
 /// Serves one call: open() and pin() once; then for each batch accept() once, and enqueue() until
 /// the reply says that there is no more. Rays are read slice by slice in the request, and their
@@ -58,7 +50,8 @@ class CastJob {
       : services_(services),
         context_(context),
         caller_(exec::caller_of(context)),
-        replies_(replies) {}
+        replies_(replies),
+        admission_(services, caller_, replies) {}
 
   /// Finds the scene and decodes the query. Errors: kInvalidArgument, kNotFound,
   /// kFailedPrecondition (a shard of another number than this server has peers).
@@ -70,8 +63,7 @@ class CastJob {
   void pin(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot);
 
   /// Admits the rays of the request, which must not change until the batch's last reply is made.
-  /// Errors: as BatchRays::begin, Quotas::begin_work and Admission::admit; kInvalidArgument if one
-  /// reply cannot hold all hits.
+  /// Errors: as BatchRays::begin and CastAdmission::admit.
   Status accept(const v1::CastRaysRequest& request);
 
   /// After accept(): makes the next reply on workers for casts of this size, after a full build on
@@ -115,7 +107,6 @@ class CastJob {
 
   bool is_sharded() const { return sharded_ != nullptr; }
   void open_sharded(const v1::CastRaysRequest& request);
-  std::size_t sharded_bytes(std::size_t rays, std::size_t rows) const;
   void push_sharded(v1::CastRaysResponse& reply, const Done& done);
   Status run_sharded(v1::CastRaysResponse& reply, const Done& done, bool& asked);
   Status begin_sharded();
@@ -133,8 +124,6 @@ class CastJob {
   Status build();
   Status run_slice(v1::CastRaysResponse& reply, Progress& progress);
   Status begin();
-  const ListSize& first_list() const;
-  void list_more();
   Status trace_slice(v1::CastRaysResponse& reply, Progress& progress);
   Result<scenegraph::TraceStats> trace_rays(std::size_t count,
                                             const scenegraph::TraceOptions& options,
@@ -171,10 +160,7 @@ class CastJob {
   DerivedColumns derived_;                                  // of the batch, unless it lists hits
   scenegraph::TraceStats build_stats_;                      // of a full build for the batch
   scenegraph::TraceStats stats_;                            // of the batch
-  exec::Quotas::Use quota_;
-  exec::Admission::Ticket ticket_, all_hits_ticket_;
-  exec::Admission::Ticket more_ticket_, more_all_hits_ticket_;  // of list_more()
-  bool lists_more_ = false;
+  CastAdmission admission_;
   Clock::time_point arrived_, waiting_since_;
   Clock::duration queued_{}, traced_{}, batch_time_{};  // of the batch
   bool begun_ = false;                                  // the batch has had a slice

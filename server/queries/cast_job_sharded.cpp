@@ -26,12 +26,6 @@ void CastJob::open_sharded(const v1::CastRaysRequest& request) {
 }
 
 /// `rows`: of listed hits.
-std::size_t CastJob::sharded_bytes(std::size_t rays, std::size_t rows) const {
-  if (!is_sharded()) return 0;
-  return rays * shards::kShardedBytesPerRay +
-         rows * shards::kShardedBytesPerHit * services_.shard_peers.size();
-}
-
 /// Begins a reply, or goes on with it when the peers have answered.
 void CastJob::push_sharded(v1::CastRaysResponse& reply, const Done& done) {
   push([this, &reply, done] {
