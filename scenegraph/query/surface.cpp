@@ -12,7 +12,10 @@ void set_surface(const instances::Instance& instance, const accel::geometry::Ray
   using accel::geometry::Vec3d, accel::geometry::Vec3f;
   const accel::geometry::MeshView mesh = instance.mesh->view();
   const accel::geometry::Face& f = mesh.faces[hit.primitive];
-  const Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]], &c = mesh.vertices[f[2]];
+  // Without negative zeros, as blocks have them: signs of zeros are seen in normals.
+  const Vec3f zero{0, 0, 0};
+  const Vec3f a = mesh.vertices[f[0]] + zero, b = mesh.vertices[f[1]] + zero,
+              c = mesh.vertices[f[2]] + zero;
   const std::optional<accel::geometry::LocalRay> local =
       accel::geometry::make_local_ray(instance.local_from_world.point(ray.origin),
                                       instance.local_from_world.direction(ray.direction));

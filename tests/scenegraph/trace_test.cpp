@@ -321,5 +321,26 @@ TEST(Trace, AnswersStayWholeWhileTheSceneChanges) {
   writer.join();
 }
 
+/// Surfaces come from blocks where these are built, and from the mesh elsewhere.
+TEST(Trace, NormalsAreEqualInEachBitHoweverMuchIsBuilt) {
+  tests::TestMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 1, 0}, {-1, 1, -0.0F}};
+  mesh.faces = {{0, 1, 2}};
+  Scene scene;
+  const model::Affine reflection{{0.8, -0.6, 0, 0, -0.6, -0.8, 0, 0, 0, 0, 1, 0}};
+  ASSERT_TRUE(scene.apply({tests::put_node(-1, 0, tests::mesh_of(mesh), reflection)}));
+  const Ray rays[] = {{{-0.3, -0.4, 1}, {0, 0, -1}}, {{-0.34, -0.62, 2}, {0, 0, -1}}};
+  Hit searched[2], built[2];
+  TraceOptions options;
+  options.growth = Growth::kNone;
+  ASSERT_TRUE(trace(*scene.snapshot(), rays, searched, options));
+  options.growth = Growth::kFirstTouch;
+  for (int i = 0; i < 2; ++i) ASSERT_TRUE(trace(*scene.snapshot(), rays, built, options));
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_EQ(searched[i].state, accel::geometry::HitState::kHit);
+    EXPECT_EQ(std::memcmp(&searched[i].normal, &built[i].normal, sizeof(searched[i].normal)), 0);
+  }
+}
+
 }  // namespace
 }  // namespace sightline::scenegraph
