@@ -17,7 +17,7 @@
 
 namespace sightline::server::exec {
 
-/// The turns of a caller's work at a scene. Empty: at none.
+/// The flow of a caller's work at `scene`. Empty: the work is for no scene.
 inline FlowKey flow_of(const Caller& caller, std::string scene = {}) {
   return {caller.principal, caller.connection, std::move(scene)};
 }
@@ -120,7 +120,7 @@ class Compute {
 /// another strand. A task may own the strand it runs on.
 class Strand {
  public:
-  /// `key`: the turns that its tasks take.
+  /// `key`: the flow of its tasks.
   explicit Strand(FlowKey key = {}) : state_(std::make_shared<State>(std::move(key))) {}
 
   /// Runs task() after all tasks posted before. It must not throw. Threads: any.
