@@ -103,7 +103,8 @@ enum class Goal : std::uint8_t {
   kEvery,    ///< Every hit; it goes to the ray's sink.
 };
 
-/// Where the hits of one ray go that asks for every one; one of both.
+/// Where the hits of one ray go that asks for every one: to the list, or, where they are only
+/// counted, to the primitives. Either for all rays of a packet.
 struct HitSink {
   UniqueHits<ListedHit>* list = nullptr;
   UniqueHits<std::uint32_t>* primitives = nullptr;
