@@ -6,7 +6,7 @@
 //   trace, count_hits, list_hits   return the hits, their number or all of them
 //
 // Deferred cells on the way are expanded, searched or skipped as TraceOptions::growth says: see
-// accel/lazy/walk_lazily.h.
+// accel/lazy/growing_leaf.h.
 #include "scenegraph/trace.h"
 
 #include <algorithm>

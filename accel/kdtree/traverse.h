@@ -10,29 +10,19 @@
 #include "accel/kdtree/deferred_cell.h"
 #include "accel/kdtree/kd_tree.h"
 #include "accel/kdtree/tree_ray.h"
+#include "accel/kdtree/walk_counters.h"
 
 namespace sightline::accel::kdtree {
-
-/// Work done for rays, in the units of docs/benchmarks.md.
-struct WalkCounters {
-  std::uint64_t steps = 0;  ///< Inner nodes visited.
-  std::uint64_t tests = 0;  ///< Triangles tested, scans of deferred cells included.
-};
 
 /// Visits, near to far, the cells that the ray enters.
 ///
 /// `visit` supplies:
-///   bool leaf(span<const uint32_t> references)          true: stop the walk
-///   bool finished(const FinishedSubtree&)               true: stop the walk
-///   DeferredAction deferred(AtomicSlot&, const DeferredCell&)   what to do at a deferred slot
+///   void leaf(span<const uint32_t> references)          a leaf that is not empty
+///   void finished(const FinishedSubtree&)
+///   bool deferred(AtomicSlot&, const DeferredCell&)     true: the slot has changed, read it again
+///   bool is_done()                                      true: the walk ends
 ///   double limit()                                      t beyond which nothing matters any more,
 ///                                                       widened by the slack
-enum class DeferredAction {
-  kRetry,  ///< The cell is built now: read the slot again.
-  kDone,   ///< The cell is searched or skipped: continue with the next cell.
-  kStop,   ///< Stop the traversal.
-};
-
 template <class Visit>
 void walk(const KdTree& tree, const TreeRay& ray, AtomicSlot& root, WalkCounters& counters,
           Visit& visit) {
@@ -71,14 +61,13 @@ void walk(const KdTree& tree, const TreeRay& ray, AtomicSlot& root, WalkCounters
     }
     if (slot.is_leaf()) {
       std::uint32_t storage;
-      if (slot.leaf_count() > 0 && visit.leaf(tree.leaf(slot, storage))) return;
+      if (slot.leaf_count() > 0) visit.leaf(tree.leaf(slot, storage));
     } else if (slot.is_finished()) {
-      if (visit.finished(*slot.finished())) return;
-    } else {
-      const DeferredAction next = visit.deferred(*at, *slot.cell());
-      if (next == DeferredAction::kRetry) continue;
-      if (next == DeferredAction::kStop) return;
+      visit.finished(*slot.finished());
+    } else if (visit.deferred(*at, *slot.cell())) {
+      continue;
     }
+    if (visit.is_done()) return;
     const double limit = visit.limit();
     do {
       if (waiting == 0) return;

@@ -5,9 +5,7 @@
 #include <bit>
 
 #include "accel/mesh/face_references.h"
-#include "accel/mesh/float_walk.h"
-#include "accel/mesh/leaf_test.h"
-#include "accel/mesh/packet_query.h"
+#include "accel/mesh/face_test.h"
 
 namespace sightline::accel::mesh {
 
@@ -28,34 +26,17 @@ MeshTree::MeshTree(geometry::MeshView mesh, const MeshStats& stats, const TreeBu
       finite_triangles_(stats.finite_triangles),
       tree_(make(mesh, &mesh_, stats, builder, references, std::move(alive))) {}
 
-void MeshTree::query(MeshQuery& query, kdtree::WalkCounters& walked, kdtree::BuildCounters& built) {
-  kdtree::TreeRay ray;
-  const double tmax = std::min(query.tmax, query.best_t);
-  if (!enter(query.ray, bounds_, query.tmin / query.ray.unit, tmax / query.ray.unit, ray)) return;
-  LeafTest test{mesh_, query, ray, walked};
-  if (auto* lazy = std::get_if<lazy::LazyTree>(&tree_)) {
-    if (query.on_deferred == OnDeferred::kWait && lazy->has_paid_for_all()) {
-      query.wait_at(*lazy, nullptr);
-      return;
-    }
-    lazy->count_rays(1);
-    std::uint32_t saw_deferred = 0;  // the query knows
-    if (lazy->makes_blocks() &&
-        query_in_floats({{query, saw_deferred, walked, built}, *lazy, mesh_}, query))
-      return;
-    walk_lazily(*lazy, ray, query, walked, built, test);
-  } else {
-    query_whole(*std::get<std::unique_ptr<WholeTree>>(tree_), test, built);
+void MeshTree::query(wide::Packet& packet, std::uint32_t lanes, lazy::CellQuery& cells,
+                     kdtree::WalkCounters& walked, kdtree::BuildCounters& built) {
+  if (auto* tree = std::get_if<lazy::LazyTree>(&tree_))
+    return query_faces(*tree, mesh_, packet, lanes, cells, walked, built);
+  packet.live = 0;
+  for (lanes = packet.left(lanes); lanes != 0; lanes = packet.left(lanes & (lanes - 1))) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+    FaceTest test(mesh_, bounds_, packet, lane, cells, walked);
+    if (test.ray().meets())
+      query_whole(*std::get<std::unique_ptr<WholeTree>>(tree_), test, cells, walked, built);
   }
-}
-
-void MeshTree::query(wide::Packet& packet, std::uint32_t lanes, const PacketQuery& query) {
-  auto* tree = std::get_if<lazy::LazyTree>(&tree_);
-  if (tree != nullptr && tree->makes_blocks()) {
-    lanes = query_packet({query, *tree, mesh_}, packet, lanes);
-  }
-  ask_each(query, packet, lanes,
-           [&](LaneQuery& alone) { this->query(alone.query, query.walked, query.built); });
 }
 
 wide::PencilLanes MeshTree::query_pencil(std::span<wide::Packet> packets,
@@ -63,21 +44,17 @@ wide::PencilLanes MeshTree::query_pencil(std::span<wide::Packet> packets,
                                          kdtree::WalkCounters& walked) {
   auto* tree = std::get_if<lazy::LazyTree>(&tree_);
   if (tree == nullptr || !tree->makes_blocks()) return {};
-  wide::WalkTotals totals;
-  const wide::PencilLanes done =
-      wide::walk_pencil(packets, *tree->frame(), tree->entry(), lanes, totals);
-  walked.steps += totals.nodes;
-  walked.tests += totals.triangles;
-  return done;
+  return wide::walk_pencil(packets, *tree->frame(), tree->entry(), lanes, walked);
 }
 
-void MeshTree::query_whole(WholeTree& tree, LeafTest test, kdtree::BuildCounters& built) {
-  const OnDeferred on_deferred = test.query.on_deferred;
-  const bool may_build = on_deferred == OnDeferred::kExpand || on_deferred == OnDeferred::kDemand;
+void MeshTree::query_whole(WholeTree& tree, FaceTest& test, const lazy::CellQuery& cells,
+                           kdtree::WalkCounters& walked, kdtree::BuildCounters& built) {
+  const bool may_build =
+      cells.on_deferred == OnDeferred::kExpand || cells.on_deferred == OnDeferred::kDemand;
   if (!tree.is_built() && may_build) tree.build(built);
-  if (tree.is_built()) return tree.query(test);
-  test.query.saw_deferred = true;
-  if (on_deferred == OnDeferred::kScan) test.everything();
+  if (tree.is_built()) return tree.query(test, walked);
+  test.packet().saw_deferred |= 1u << test.ray().lane();
+  if (cells.on_deferred == OnDeferred::kScan) test.everything();
 }
 
 void MeshTree::expand_all(kdtree::BuildCounters& built, const std::atomic<bool>* cancelled) {

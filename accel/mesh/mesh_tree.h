@@ -8,62 +8,18 @@
 #include <span>
 #include <variant>
 
-#include "accel/geometry/facing.h"
-#include "accel/geometry/ray.h"
 #include "accel/geometry/triangle_mesh.h"
-#include "accel/kdtree/traverse.h"
 #include "accel/kdtree/tree_metrics.h"
-#include "accel/lazy/walk_lazily.h"
+#include "accel/kdtree/walk_counters.h"
+#include "accel/lazy/cell_query.h"
 #include "accel/mesh/mesh_stats.h"
 #include "accel/mesh/tree_builder.h"
-#include "accel/mesh/unique_hits.h"
 #include "accel/mesh/whole_tree.h"
 #include "accel/wide/pencil.h"
 
 namespace sightline::accel::mesh {
 
 using lazy::OnDeferred;
-
-/// Where the hits of a ray go that asks for more than one; both null: it does not.
-struct HitSinks {
-  UniqueHits<ListedHit>* list = nullptr;
-  UniqueHits<std::uint32_t>* primitives = nullptr;
-
-  bool collects() const { return list != nullptr || primitives != nullptr; }
-};
-
-/// A query: the ray in one mesh's frame, and the hits found so far. t is in units of the world
-/// ray's direction.
-///
-/// Nearest or any hit: a hit is accepted if (t, node, primitive) is less than (best_t, best_node,
-/// best_primitive). With `list` or `primitives`: every hit is added there, once for each cell that
-/// it is found in; best_t is then the t beyond which hits are not needed.
-struct MeshQuery : lazy::LazyQuery, HitSinks {
-  geometry::LocalRay ray;
-  double tmin = 0, tmax = geometry::kInfinity;
-  geometry::Culling culling = geometry::Culling::kNone;  ///< By the winding in the mesh's frame.
-  bool any = false;                                      ///< Stop at the first hit found.
-  std::uint64_t node = 0;
-  std::uint32_t instance = 0;  ///< The caller's number for the node.
-  double best_t = std::numeric_limits<double>::max();
-  std::uint64_t best_node = ~std::uint64_t{0};
-  std::uint32_t best_primitive = 0;
-  std::uint32_t best_instance = 0;
-  bool found = false;
-
-  /// Nothing can change the answer any more, or the query is suspended or cancelled.
-  bool is_done() const { return suspended || (any && found) || is_cancelled(); }
-};
-
-/// What the queries of a packet's rays share, and what they cost.
-struct PacketQuery {
-  lazy::LazyQuery& lazy;
-  std::uint32_t& saw_deferred;  ///< Gets a bit for each ray that met a cell which was skipped or
-                                ///< searched.
-  kdtree::WalkCounters& walked;
-  kdtree::BuildCounters& built;
-  std::span<const HitSinks> sinks = {};  ///< By ray; empty: for the nearest or any hit.
-};
 
 /// A kd-tree that grows cell by cell, or, for comparisons, a tree that is built whole.
 ///
@@ -75,11 +31,10 @@ class MeshTree {
   MeshTree(geometry::MeshView mesh, const MeshStats& stats, const TreeBuilder& builder,
            References references = References::kRuns, std::shared_ptr<const void> alive = nullptr);
 
-  /// Finds hits and updates the query.
-  void query(MeshQuery& query, kdtree::WalkCounters& walked, kdtree::BuildCounters& built);
-
-  /// As query() for those rays of the packet.
-  void query(wide::Packet& packet, std::uint32_t lanes, const PacketQuery& query);
+  /// Finds hits of those rays of the packet, which are in the mesh's frame: by Packet::goal the
+  /// nearest, whether there are any, or every one. Requires Packet::best, and the question.
+  void query(wide::Packet& packet, std::uint32_t lanes, lazy::CellQuery& cells,
+             kdtree::WalkCounters& walked, kdtree::BuildCounters& built);
 
   /// As query() for any or the nearest hits of a pencil in a finished tree: wide::walk_pencil().
   wide::PencilLanes query_pencil(std::span<wide::Packet> packets, const wide::PencilLanes& lanes,
@@ -107,7 +62,8 @@ class MeshTree {
   static Tree make(const geometry::MeshView& mesh, const geometry::MeshView* own,
                    const MeshStats& stats, const TreeBuilder& builder, References references,
                    std::shared_ptr<const void> alive);
-  void query_whole(WholeTree& tree, LeafTest test, kdtree::BuildCounters& built);
+  void query_whole(WholeTree& tree, FaceTest& test, const lazy::CellQuery& cells,
+                   kdtree::WalkCounters& walked, kdtree::BuildCounters& built);
 
   geometry::MeshView mesh_;
   geometry::Aabb bounds_;  ///< Contains all references.

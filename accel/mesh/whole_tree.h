@@ -6,10 +6,11 @@
 
 #include "accel/geometry/triangle_mesh.h"
 #include "accel/kdtree/tree_metrics.h"
+#include "accel/kdtree/walk_counters.h"
 
 namespace sightline::accel::mesh {
 
-struct LeafTest;
+class FaceTest;
 
 /// A hierarchy for comparisons with kd-trees (accel/published/bvh). The server builds none.
 /// Threads: any, all members.
@@ -25,7 +26,7 @@ class WholeTree {
   /// try again.
   virtual void build(kdtree::BuildCounters& counters) = 0;
   /// Requires is_built().
-  virtual void query(LeafTest& test) const = 0;
+  virtual void query(FaceTest& test, kdtree::WalkCounters& walked) const = 0;
 
   virtual std::uint64_t bytes() const = 0;
   virtual kdtree::TreeMetrics metrics() const = 0;

@@ -11,6 +11,7 @@
 #include "accel/blocks/block.h"
 #include "accel/geometry/intersect.h"
 #include "accel/wide/float_rays.h"
+#include "accel/wide/offer.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "accel/wide/exact.cpp"
@@ -108,11 +109,8 @@ namespace {
 
 using blocks::Block;
 
-geometry::LocalRay ray_of(const Packet& packet, std::size_t lane) {
-  const Rays& rays = packet.rays;
-  return {{rays.origin[0][lane], rays.origin[1][lane], rays.origin[2][lane]},
-          {rays.direction[0][lane], rays.direction[1][lane], rays.direction[2][lane]},
-          rays.unit[lane]};
+OfferedTriangle offered(const std::uint32_t* words, std::uint32_t triangle) {
+  return {Block(words).id(triangle), words, triangle};
 }
 
 /// The corner as the mesh has it: its difference to the center is exact.
@@ -135,22 +133,23 @@ void read_triangle(const std::uint32_t* words, std::size_t triangle, std::size_t
   }
 }
 
-/// Decides one triangle for each of `lanes`.
-void decide_together(Packet& packet, const LaneTriangles& triangles,
-                     const Column<const std::uint32_t*>& block,
-                     const Column<std::uint32_t>& triangle, std::uint32_t lanes) {
+/// Decides one triangle for each of `lanes`. Returns those for which offer() is true.
+std::uint32_t decide_together(Packet& packet, const LaneTriangles& triangles,
+                              const Column<const std::uint32_t*>& block,
+                              const Column<std::uint32_t>& triangle, std::uint32_t lanes) {
   LaneVerdicts verdicts;
+  std::uint32_t taken = 0;
   HWY_DYNAMIC_DISPATCH(judge_lanes)(packet.rays, packet.center, triangles, verdicts);
   std::uint32_t hit = verdicts.hit & ~verdicts.miss;
   if (packet.culling != geometry::Culling::kNone) hit = 0;
   for (std::uint32_t left = lanes & ~verdicts.miss; left != 0; left &= left - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(left));
-    if ((hit >> lane & 1) != 0) {
-      offer(packet, lane, verdicts.t[lane], block[lane], triangle[lane]);
-    } else {
-      decide(packet, lane, block[lane], triangle[lane]);
-    }
+    const bool takes = (hit >> lane & 1) != 0 ? offer(packet, lane, verdicts.t[lane],
+                                                      offered(block[lane], triangle[lane]))
+                                              : decide(packet, lane, block[lane], triangle[lane]);
+    taken |= static_cast<std::uint32_t>(takes) << lane;
   }
+  return taken;
 }
 
 /// From here on it takes less time than one by one.
@@ -208,12 +207,12 @@ void settle_best_from_origin(Packet& packet, std::uint32_t lanes) {
     std::uint32_t same = left & HWY_DYNAMIC_DISPATCH(with_best)(all, words, triangle);
     left &= ~same;
     const SeenPlane plane =
-        seen_plane(packet, Block(words), triangle, ray_of(packet, first).origin);
+        seen_plane(packet, Block(words), triangle, ray_of(packet.rays, first).origin);
     const std::uint32_t crossing = HWY_DYNAMIC_DISPATCH(cross_plane)(packet.rays, plane, t);
     for (; same != 0; same &= same - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(same));
       if ((crossing >> lane & 1) != 0) {
-        offer(packet, lane, t[lane], words, triangle);
+        offer(packet, lane, t[lane], offered(words, triangle));
       } else {
         decide(packet, lane, words, triangle);
       }
@@ -236,15 +235,34 @@ void settle_others(Packet& packet, std::uint32_t lanes) {
 
 }  // namespace
 
-void decide(Packet& packet, std::size_t lane, const std::uint32_t* words, std::uint32_t triangle) {
+bool decide(Packet& packet, std::size_t lane, const std::uint32_t* words, std::uint32_t triangle) {
   const Block block(words);
-  const geometry::LocalRay ray = ray_of(packet, lane);
-  const geometry::Vec3f a = corner_of(packet, block, 0, triangle),
-                        b = corner_of(packet, block, 1, triangle),
-                        c = corner_of(packet, block, 2, triangle);
-  const std::optional<double> local = geometry::intersect(ray, a, b, c);
-  if (!local || geometry::is_culled(packet.culling, ray, a, b, c)) return;
-  if (offer(packet, lane, *local * ray.unit, words, triangle)) tighten(packet, lane);
+  const bool takes =
+      decide(packet, lane, ray_of(packet.rays, lane), corner_of(packet, block, 0, triangle),
+             corner_of(packet, block, 1, triangle), corner_of(packet, block, 2, triangle),
+             offered(words, triangle));
+  if (takes) tighten(packet, lane);
+  return takes;
+}
+
+bool decide_lanes(Packet& packet, std::uint32_t lanes, const std::uint32_t* words,
+                  std::uint32_t triangle) {
+  if (std::popcount(lanes) < kTogether) {
+    bool takes = false;
+    for (; lanes != 0; lanes &= lanes - 1)
+      takes |= decide(packet, static_cast<std::size_t>(std::countr_zero(lanes)), words, triangle);
+    return takes;
+  }
+  LaneTriangles same;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) read_triangle(words, triangle, lane, same);
+  Column<const std::uint32_t*> blocks;
+  Column<std::uint32_t> triangles;
+  blocks.fill(words);
+  triangles.fill(triangle);
+  const std::uint32_t taken = decide_together(packet, same, blocks, triangles, lanes);
+  for (std::uint32_t left = taken; left != 0; left &= left - 1)
+    tighten(packet, static_cast<std::size_t>(std::countr_zero(left)));
+  return taken != 0;
 }
 
 void remember(Packet& packet, std::size_t lane, const std::uint32_t* block, std::uint32_t triangle,
@@ -263,7 +281,10 @@ void remember(Packet& packet, std::size_t lane, const std::uint32_t* block, std:
     }
     all.count[lane] = static_cast<std::uint8_t>(kept);
     count = kept;
-    if (count == kCandidates) return decide(packet, lane, block, triangle);
+    if (count == kCandidates) {
+      decide(packet, lane, block, triangle);
+      return;
+    }
   }
   all.block[lane][count] = block;
   all.low[lane][count] = low;

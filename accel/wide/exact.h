@@ -1,4 +1,4 @@
-// The exact rule for the pairs that floats leave undecided, and the choice between hits.
+// The exact rule for the pairs that floats leave undecided.
 #pragma once
 
 #include <cstddef>
@@ -9,31 +9,19 @@
 
 namespace sightline::accel::wide {
 
-/// Keeps a hit if it is within the ray's limits and less than the best by (t, node, primitive). t
-/// is in units of the caller's direction. Culling is the caller's.
-inline bool offer(Packet& packet, std::size_t lane, double t, const std::uint32_t* block,
-                  std::uint32_t triangle) {
-  const std::uint32_t primitive = blocks::Block(block).id(triangle);
-  BestHits& best = *packet.best;
-  if (!(t >= packet.rays.tmin[lane] && t <= packet.rays.tmax[lane])) return false;
-  if (t > best.t[lane]) return false;
-  if (t == best.t[lane]) {
-    if (packet.node > best.node[lane]) return false;
-    if (packet.node == best.node[lane] && primitive >= best.primitive[lane]) return false;
-  }
-  best.t[lane] = t;
-  best.node[lane] = packet.node;
-  best.primitive[lane] = primitive;
-  best.instance[lane] = packet.instance;
-  best.block[lane] = block;
-  best.triangle[lane] = static_cast<std::uint8_t>(triangle);
-  best.center[lane] = packet.center;
-  best.found |= 1u << lane;
-  return true;
-}
+/// Decides one pair now. True: the ray's limits were tightened.
+bool decide(Packet& packet, std::size_t lane, const std::uint32_t* block, std::uint32_t triangle);
 
-/// Decides one pair now.
-void decide(Packet& packet, std::size_t lane, const std::uint32_t* block, std::uint32_t triangle);
+/// As decide() for one triangle and several rays, for any of which it may be true.
+bool decide_lanes(Packet& packet, std::uint32_t lanes, const std::uint32_t* block,
+                  std::uint32_t triangle);
+
+/// For Goal::kEvery, where hits are counted: adds one that is certain, and within the ray's limits.
+inline void add_certain(Packet& packet, std::size_t lane, const std::uint32_t* block,
+                        std::uint32_t triangle) {
+  packet.best->found |= 1u << lane;
+  packet.sinks[lane].primitives->add(blocks::Block(block).id(triangle));
+}
 
 /// Remembers a pair that may be the ray's nearest hit, at this depth or beyond. If there are too
 /// many, those that cannot be the nearest any more are forgotten, or the pair is decided now.

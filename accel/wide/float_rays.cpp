@@ -59,7 +59,8 @@ class Preparing {
     packet_.extent = largest_coordinate(frame_.bounds);
     packet_.candidates.has_best = 0;
     packet_.candidates.count.fill(0);
-    return {.live = lanes & meet & ~far_away_, .slow = lanes & far_away_};
+    packet_.live = lanes & meet & ~far_away_;
+    return {.live = packet_.live, .slow = lanes & far_away_};
   }
 
  private:

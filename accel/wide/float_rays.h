@@ -23,8 +23,8 @@ struct Prepared {
   std::uint32_t slow = 0;  ///< Those of them whose origin is too far away for floats.
 };
 
-/// Sets packet.floats from its rays, best hits and culling, for rays in `lanes`. Forgets the
-/// candidates.
+/// Sets packet.floats from its rays, best hits and culling, for rays in `lanes`, and packet.live.
+/// Forgets the candidates.
 Prepared prepare(Packet& packet, const Frame& frame, std::uint32_t lanes);
 
 /// Lowers the depths that matter to the ray's best hit, after that has changed.

@@ -21,7 +21,7 @@ HWY_BEFORE_NAMESPACE();
 namespace sightline::accel::wide {
 namespace HWY_NAMESPACE {
 
-template <bool kAny>
+template <Goal kGoal>
 class Group {
  public:
   /// Below `together` rays at a node go on alone.
@@ -56,8 +56,6 @@ class Group {
   }
 
  private:
-  using Alone = Single<kAny ? Goal::kAny : Goal::kNearest>;
-
   struct Waiting {
     float t;
     std::uint32_t lanes;
@@ -79,7 +77,7 @@ class Group {
 
   void go_alone(Child at, std::uint32_t lanes) {
     for (; lanes != 0 && !packet_.stopped; lanes &= lanes - 1)
-      Alone(walked_, static_cast<std::size_t>(std::countr_zero(lanes))).walk(at);
+      Single<kGoal>(walked_, static_cast<std::size_t>(std::countr_zero(lanes))).walk(at);
     read_limits();
   }
 
@@ -97,7 +95,7 @@ class Group {
 
   HWY_INLINE bool visit_node(const WideNode& node, Child& at, std::uint32_t& lanes,
                              std::size_t& top) {
-    walked_.totals.nodes += static_cast<std::uint64_t>(std::popcount(lanes));
+    walked_.counters.steps += static_cast<std::uint64_t>(std::popcount(lanes));
     count(lanes, 1);
     Boxes in;
     std::uint32_t met = boxes_.met(node, farthest_, in);
@@ -109,7 +107,8 @@ class Group {
       const std::uint32_t those = lanes & meeting(node, i);
       if (those == 0) continue;
       std::size_t k = top++;
-      for (; !kAny && k > base && stack_[k - 1].t < t[i]; --k) stack_[k] = stack_[k - 1];
+      for (; kGoal != Goal::kAny && k > base && stack_[k - 1].t < t[i]; --k)
+        stack_[k] = stack_[k - 1];
       stack_[k] = {t[i], those, node.children[i]};
     }
     if (top == base) return false;
@@ -136,8 +135,8 @@ class Group {
     while (top > 0) {
       const Waiting& next = stack_[--top];
       if (next.t > farthest_) continue;
-      lanes =
-          kAny ? next.lanes & ~packet_.best->found : next.lanes & (Floats::set(next.t) <= t_out_);
+      lanes = kGoal == Goal::kAny ? next.lanes & ~packet_.best->found
+                                  : next.lanes & (Floats::set(next.t) <= t_out_);
       if (lanes == 0) continue;
       at = next.at;
       return true;
@@ -146,22 +145,19 @@ class Group {
   }
 
   bool enter_slot(Child& at, std::uint32_t lanes) {
-    kdtree::AtomicSlot& slot = *at.slot();
-    for (;;) {
-      const kdtree::Slot now = kdtree::load(slot);
-      if (now.is_finished()) {
-        at = static_cast<const WideTree*>(now.finished())->enter();
-        return true;
-      }
-      const bool again = walked_.slots.visit(slot, lanes);
+    const kdtree::Slot now = kdtree::load(*at.slot());
+    if (now.is_finished()) {
+      at = static_cast<const WideTree*>(now.finished())->enter();
+    } else {
+      at = walked_.leaf.enter(*at.slot(), lanes);
       read_limits();
-      if (!again) return false;
     }
+    return static_cast<bool>(at);
   }
 
   void visit_block(const std::uint32_t* words, std::uint32_t lanes) {
     const blocks::Block block(words);
-    walked_.totals.triangles += block.triangles * static_cast<std::uint64_t>(std::popcount(lanes));
+    walked_.counters.tests += block.triangles * static_cast<std::uint64_t>(std::popcount(lanes));
     count(lanes, block.triangles);
     const float *x = block.x + x_ * block.vertices, *y = block.x + y_ * block.vertices,
                 *z = block.x + z_ * block.vertices;
@@ -169,7 +165,7 @@ class Group {
     constexpr unsigned kMany = 3;
     std::uint32_t left = block.triangles < kMany ? (2u << (block.triangles - 1)) - 1
                                                  : view_.possible(block, x, y, z);
-    bool lowered = false;
+    bool nearer = false;  // some ray has a nearer hit
     for (; left != 0 && lanes != 0; left &= left - 1) {
       const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
       std::array<Corner, 3> corners;
@@ -183,14 +179,21 @@ class Group {
       if (!judge(corners, {load(rays.error), load(rays.low), load(rays.high), load(rays.cull)},
                  lanes, verdict))
         continue;
-      if (kAny) {
+      if constexpr (kGoal == Goal::kAny) {
         find(packet_, words, i, verdict);
         lanes &= ~packet_.best->found;
+      } else if constexpr (kGoal == Goal::kEvery) {
+        nearer |= offer_every(packet_, words, i, verdict);
       } else {
-        lowered |= keep(packet_, words, i, verdict);
+        nearer |= keep(packet_, words, i, verdict);
       }
     }
-    if (lowered) lower_t_out();
+    if (!nearer) return;
+    if constexpr (kGoal == Goal::kEvery) {
+      read_limits();
+    } else {
+      lower_t_out();
+    }
   }
 
   HWY_INLINE Corner seen(float x, float y, float z) const {

@@ -37,6 +37,18 @@ HWY_INLINE void find(Packet& packet, const std::uint32_t* words, std::uint32_t t
     decide(packet, static_cast<std::size_t>(std::countr_zero(left)), words, triangle);
 }
 
+/// For queries for every hit: offers those in this triangle. What is certain is counted without
+/// its t. True: some ray needs no hits any more beyond what it has.
+HWY_INLINE bool offer_every(Packet& packet, const std::uint32_t* words, std::uint32_t triangle,
+                            const Verdict& verdict) {
+  std::uint32_t counted = 0;
+  if (packet.sinks[0].primitives != nullptr)
+    counted = certain(packet, verdict, verdict.depth - verdict.off, verdict.depth + verdict.off);
+  for (std::uint32_t left = counted; left != 0; left &= left - 1)
+    add_certain(packet, static_cast<std::size_t>(std::countr_zero(left)), words, triangle);
+  return decide_lanes(packet, verdict.possible & ~counted, words, triangle);
+}
+
 /// Remembers what may be the nearest. True: some ray has a nearer certain hit now.
 HWY_INLINE bool keep(Packet& packet, const std::uint32_t* words, std::uint32_t triangle,
                      const Verdict& verdict) {

@@ -5,10 +5,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 
 #include "accel/geometry/aabb.h"
 #include "accel/geometry/facing.h"
 #include "accel/geometry/local_ray.h"
+#include "accel/wide/unique_hits.h"
 
 namespace sightline::accel::wide {
 
@@ -94,21 +96,46 @@ struct Candidates {
   Column<std::uint8_t> count;
 };
 
-/// A packet on its way through one mesh's tree.
+/// What a walk looks for.
+enum class Goal : std::uint8_t {
+  kNearest,  ///< The nearest hit of each ray.
+  kAny,      ///< Whether a ray has a hit.
+  kEvery,    ///< Every hit; it goes to the ray's sink.
+};
+
+/// Where the hits of one ray go that asks for every one: to the list, or, where they are only
+/// counted, to the primitives. Either for all rays of a packet.
+struct HitSink {
+  UniqueHits<ListedHit>* list = nullptr;
+  UniqueHits<std::uint32_t>* primitives = nullptr;
+};
+
+/// A packet on its way through one tree.
 struct Packet {
   Rays rays;
-  BestHits* best = nullptr;  ///< Shared by the packets of the same rays in other frames.
+  BestHits* best = nullptr;  ///< Shared by the packets of the same rays in other frames. For
+                             ///< Goal::kEvery, t is that beyond which hits are not needed.
   FloatRays floats;
   Candidates candidates;
   // The question; equal for all rays.
-  bool any = false;  ///< Only whether there is a hit.
+  Goal goal = Goal::kNearest;
   geometry::Culling culling = geometry::Culling::kNone;
   std::uint64_t node = 0;
   std::uint32_t instance = 0;
-  geometry::Vec3f center;  ///< Of the tree.
+  std::span<const HitSink> sinks;  ///< By ray, for Goal::kEvery.
+  geometry::Vec3f center;          ///< Of the tree.
   float extent = 0;        ///< The largest coordinate of the tree's bounds, relative to the center.
-  Column<std::uint32_t> work;  ///< Nodes visited and triangles tested, by ray.
-  bool stopped = false;        ///< Suspended or cancelled: the answers mean nothing.
+  std::uint32_t live = 0;  ///< The rays that floats describe; they may meet the tree's bounds.
+  Column<std::uint32_t> work;      ///< Nodes visited and triangles tested, by ray.
+  std::uint32_t saw_deferred = 0;  ///< Rays that met a cell which was skipped or searched.
+  std::uint32_t suspended = 0;     ///< Rays that wait for a cell of the scene's tree.
+  bool stopped = false;            ///< All rays wait, or are cancelled: the answers mean nothing.
+
+  /// Those of `lanes` whose answer may still change.
+  std::uint32_t left(std::uint32_t lanes) const {
+    if (stopped) return 0;
+    return lanes & ~suspended & ~(goal == Goal::kAny ? best->found : 0);
+  }
 };
 
 }  // namespace sightline::accel::wide

@@ -80,10 +80,10 @@ template <bool kAny>
 class Pencil {
  public:
   HWY_INLINE Pencil(std::span<Packet> packets, const PencilRays& rays, const Frame& frame,
-                    const PencilLanes& lanes, WalkTotals& totals)
+                    const PencilLanes& lanes, kdtree::WalkCounters& counters)
       : packets_(packets),
         lanes_(lanes),
-        totals_(totals),
+        counters_(counters),
         boxes_(rays, largest_coordinate(frame.bounds)),
         planes_(rays) {
     low_.fill(std::numeric_limits<float>::max());
@@ -234,14 +234,14 @@ class Pencil {
       rays += static_cast<std::uint64_t>(std::popcount(group_[p]));
       (Counts::load(packets_[p].work.data()) + work).store(packets_[p].work.data());
     }
-    totals_.nodes += nodes_ * rays;
-    totals_.triangles += triangles_ * rays;
+    counters_.steps += nodes_ * rays;
+    counters_.tests += triangles_ * rays;
   }
 
   std::span<Packet> packets_;
   PencilLanes lanes_;
   const PencilLanes group_ = lanes_;
-  WalkTotals& totals_;
+  kdtree::WalkCounters& counters_;
   const PencilBoxes boxes_;
   PencilPlanes planes_;
   std::array<float, kPencilPackets> low_, high_;

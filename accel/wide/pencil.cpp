@@ -29,15 +29,16 @@ int count(const PencilLanes& lanes) {
 
 template <bool kAny>
 bool walk_as_pencil(std::span<Packet> packets, PencilRays& rays, bool from_origin,
-                    const Frame& frame, Child root, const PencilLanes& lanes, WalkTotals& totals) {
+                    const Frame& frame, Child root, const PencilLanes& lanes,
+                    kdtree::WalkCounters& counters) {
   rays.set_floats(from_origin);
-  return Pencil<kAny>(packets, rays, frame, lanes, totals).walk(root);
+  return Pencil<kAny>(packets, rays, frame, lanes, counters).walk(root);
 }
 
 /// Returns the rays that are done.
 PencilLanes find_and_walk(std::span<Packet> packets, const Frame& frame, Child root,
-                          const PencilLanes& lanes, WalkTotals& totals) {
-  const bool any = packets[0].any;
+                          const PencilLanes& lanes, kdtree::WalkCounters& counters) {
+  const bool any = packets[0].goal == Goal::kAny;
   PencilLanes group = lanes;
   PencilRays rays(packets, frame, group);
   const bool from_origin = rays.from_origin() && count(group) >= kLeastPencil;
@@ -46,8 +47,8 @@ PencilLanes find_and_walk(std::span<Packet> packets, const Frame& frame, Child r
     if (!any || !rays.toward_end() || count(group) < kLeastPencil) return {};
   }
   const bool walked =
-      any ? walk_as_pencil<true>(packets, rays, from_origin, frame, root, group, totals)
-          : walk_as_pencil<false>(packets, rays, from_origin, frame, root, group, totals);
+      any ? walk_as_pencil<true>(packets, rays, from_origin, frame, root, group, counters)
+          : walk_as_pencil<false>(packets, rays, from_origin, frame, root, group, counters);
   return walked ? group : PencilLanes{};
 }
 
@@ -61,9 +62,10 @@ namespace sightline::accel::wide {
 HWY_EXPORT(find_and_walk);
 
 PencilLanes walk_pencil(std::span<Packet> packets, const Frame& frame, Child root,
-                        const PencilLanes& lanes, WalkTotals& totals) {
-  const PencilLanes done = HWY_DYNAMIC_DISPATCH(find_and_walk)(packets, frame, root, lanes, totals);
-  if (!packets[0].any) {
+                        const PencilLanes& lanes, kdtree::WalkCounters& counters) {
+  const PencilLanes done =
+      HWY_DYNAMIC_DISPATCH(find_and_walk)(packets, frame, root, lanes, counters);
+  if (packets[0].goal == Goal::kNearest) {
     for (std::size_t p = 0; p < packets.size(); ++p) {
       if (done[p] != 0) settle_from_origin(packets[p], done[p]);
     }

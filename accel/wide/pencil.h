@@ -25,9 +25,9 @@ using PencilLanes = std::array<std::uint32_t, kPencilPackets>;
 /// hits, but not all that count.
 ///
 /// A pencil is of rays with one origin and tmin >= 0; or of rays that ask for any hit, with equal
-/// ends at t = 1, nearly, and 0 <= tmin, tmax <= 1. Needs packet.rays, best, any, culling, node and
-/// instance, which all packets share; sets packet.floats in part, for rays that are done.
+/// ends at t = 1, nearly, and 0 <= tmin, tmax <= 1. Needs packet.rays, best, goal, culling, node
+/// and instance, which all packets share; sets packet.floats in part, for rays that are done.
 PencilLanes walk_pencil(std::span<Packet> packets, const Frame& frame, Child root,
-                        const PencilLanes& lanes, WalkTotals& totals);
+                        const PencilLanes& lanes, kdtree::WalkCounters& counters);
 
 }  // namespace sightline::accel::wide

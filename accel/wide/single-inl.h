@@ -57,13 +57,6 @@ class Gather {
   hn::Vec<hn::RebindToSigned<Floats::D>> index_[Floats::kVectors];
 };
 
-/// What a walk looks for.
-enum class Goal : std::uint8_t {
-  kNearest,  ///< The nearest hit.
-  kAny,      ///< Whether there is a hit.
-  kEvery,    ///< Every triangle that is no certain miss.
-};
-
 template <Goal kGoal>
 class Single {
  public:
@@ -89,8 +82,8 @@ class Single {
     do {
       go_down(at, top);
     } while (!is_done() && pop(at, top));
-    walked_.totals.nodes += nodes_;
-    walked_.totals.triangles += triangles_;
+    walked_.counters.steps += nodes_;
+    walked_.counters.tests += triangles_;
     packet_.work[lane_] += static_cast<std::uint32_t>(nodes_ + triangles_ - before);
   }
 
@@ -171,17 +164,12 @@ class Single {
     return true;
   }
 
-  /// Sets `at` to the root of a finished subtree; false if there is nothing to go on with.
+  /// Sets `at` to what the slot leads to; false if there is nothing to go on with.
   bool enter_slot(Child& at) {
-    kdtree::AtomicSlot& slot = *at.slot();
-    for (;;) {
-      const kdtree::Slot now = kdtree::load(slot);
-      if (now.is_finished()) {
-        at = static_cast<const WideTree*>(now.finished())->enter();
-        return true;
-      }
-      if (!walked_.slots.visit(slot, 1u << lane_)) return false;
-    }
+    const kdtree::Slot now = kdtree::load(*at.slot());
+    at = now.is_finished() ? static_cast<const WideTree*>(now.finished())->enter()
+                           : walked_.leaf.enter(*at.slot(), 1u << lane_);
+    return static_cast<bool>(at);
   }
 
   void visit_block(const std::uint32_t* words) {
@@ -209,16 +197,11 @@ class Single {
     const std::uint32_t all = (2u << (block.triangles - 1)) - 1;
     Verdict verdict;
     if (judge(corners, {set(rays.error), set(rays.low), set(rays.high), set(rays.cull)}, all,
-              verdict)) {
-      if constexpr (kGoal == Goal::kEvery) {
-        walked_.triangles->visit(block, verdict.possible);
-      } else {
-        keep(words, verdict);
-      }
-    }
+              verdict))
+      take(words, verdict);
   }
 
-  void keep(const std::uint32_t* words, const Verdict& verdict) {
+  void take(const std::uint32_t* words, const Verdict& verdict) {
     FloatRays& rays = packet_.floats;
     const Floats low = verdict.depth - verdict.off, high = verdict.depth + verdict.off;
     const std::uint32_t certain = verdict.certain & (low >= Floats::set(rays.sure_low[lane_])) &
@@ -229,6 +212,12 @@ class Single {
         return;
       }
       for (std::uint32_t left = verdict.possible; left != 0 && !is_done(); left &= left - 1)
+        decide(packet_, lane_, words, static_cast<std::uint32_t>(std::countr_zero(left)));
+    } else if constexpr (kGoal == Goal::kEvery) {
+      const std::uint32_t counted = packet_.sinks[lane_].primitives != nullptr ? certain : 0;
+      for (std::uint32_t left = counted; left != 0; left &= left - 1)
+        add_certain(packet_, lane_, words, static_cast<std::uint32_t>(std::countr_zero(left)));
+      for (std::uint32_t left = verdict.possible & ~counted; left != 0; left &= left - 1)
         decide(packet_, lane_, words, static_cast<std::uint32_t>(std::countr_zero(left)));
     } else {
       alignas(64) std::array<float, 16> from, to;

@@ -32,18 +32,17 @@ HWY_INLINE std::uint32_t alike(const Packet& packet, std::uint32_t lanes) {
   return lanes & equal(Keys::load(packet.floats.key.data()), Keys::set(key));
 }
 
-template <bool kAny>
+template <Goal kGoal>
 void walk_lanes(const Walked& walked, Child root, std::uint32_t lanes) {
   while (lanes != 0 && !walked.packet.stopped) {
     std::uint32_t group = alike(walked.packet, lanes);
     lanes &= ~group;
     if (std::popcount(group) >= kTogether) {
-      Group<kAny>(walked, group, kTogether).walk(root);
+      Group<kGoal>(walked, group, kTogether).walk(root);
       continue;
     }
-    using Alone = Single<kAny ? Goal::kAny : Goal::kNearest>;
     for (; group != 0 && !walked.packet.stopped; group &= group - 1)
-      Alone(walked, static_cast<std::size_t>(std::countr_zero(group))).walk(root);
+      Single<kGoal>(walked, static_cast<std::size_t>(std::countr_zero(group))).walk(root);
   }
 }
 
@@ -63,15 +62,14 @@ std::uint32_t meeting_box(const Packet& packet, const geometry::Aabb& box) {
 }
 
 void walk_packet(const Walked& walked, Child root, std::uint32_t lanes) {
-  if (walked.packet.any) {
-    walk_lanes<true>(walked, root, lanes);
-  } else {
-    walk_lanes<false>(walked, root, lanes);
+  switch (walked.packet.goal) {
+    case Goal::kNearest:
+      return walk_lanes<Goal::kNearest>(walked, root, lanes);
+    case Goal::kAny:
+      return walk_lanes<Goal::kAny>(walked, root, lanes);
+    case Goal::kEvery:
+      return walk_lanes<Goal::kEvery>(walked, root, lanes);
   }
-}
-
-void walk_lane(const Walked& walked, Child root, std::size_t lane) {
-  Single<Goal::kEvery>(walked, lane).walk(root);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -82,29 +80,22 @@ HWY_AFTER_NAMESPACE();
 namespace sightline::accel::wide {
 
 HWY_EXPORT(walk_packet);
-HWY_EXPORT(walk_lane);
 HWY_EXPORT(meeting_box);
 
 std::uint32_t meeting(const Packet& packet, const geometry::Aabb& box, std::uint32_t lanes) {
   return lanes & HWY_DYNAMIC_DISPATCH(meeting_box)(packet, box);
 }
 
-void walk(Packet& packet, Child root, std::uint32_t lanes, SlotVisitor& slots, WalkTotals& totals) {
+void walk(Packet& packet, Child root, std::uint32_t lanes, const Leaf& leaf,
+          kdtree::WalkCounters& counters) {
   // Before the rays part into groups.
   while (lanes != 0 && !root.is_node() && !root.is_block()) {
     const kdtree::Slot now = kdtree::load(*root.slot());
-    if (now.is_finished()) {
-      root = static_cast<const WideTree*>(now.finished())->enter();
-    } else if (!slots.visit(*root.slot(), lanes)) {
-      return;
-    }
+    root = now.is_finished() ? static_cast<const WideTree*>(now.finished())->enter()
+                             : leaf.enter(*root.slot(), lanes);
+    if (!root) return;
   }
-  HWY_DYNAMIC_DISPATCH(walk_packet)({packet, slots, totals}, root, lanes);
-}
-
-void walk_every(Packet& packet, Child root, std::size_t lane, SlotVisitor& slots,
-                TriangleVisitor& triangles, WalkTotals& totals) {
-  HWY_DYNAMIC_DISPATCH(walk_lane)({packet, slots, totals, &triangles}, root, lane);
+  HWY_DYNAMIC_DISPATCH(walk_packet)({packet, leaf, counters}, root, lanes);
 }
 
 }  // namespace sightline::accel::wide

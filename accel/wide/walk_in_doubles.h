@@ -1,12 +1,13 @@
-// The walk of one ray through a wide tree in doubles: for rays that floats cannot tell apart, and
-// to check the walks in floats against.
+// The walk of one ray through a wide tree in doubles: for rays that begin too far away for floats,
+// and to check the walks in floats against.
 #pragma once
 
 #include <array>
 #include <cstddef>
 
 #include "accel/blocks/block.h"
-#include "accel/kdtree/traverse.h"
+#include "accel/kdtree/tree_ray.h"
+#include "accel/kdtree/walk_counters.h"
 #include "accel/wide/wide_tree.h"
 
 namespace sightline::accel::wide {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "accel/kdtree/reference.h"
-#include "accel/kdtree/traverse.h"
+#include "accel/kdtree/walk_counters.h"
 #include "scenegraph/trace_options.h"
 
 namespace sightline::scenegraph::query {

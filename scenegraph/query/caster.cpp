@@ -5,9 +5,10 @@
 #include <limits>
 #include <utility>
 
+#include "accel/lazy/growing_leaf.h"
 #include "accel/lazy/lazy_tree.h"
 #include "accel/mesh/mesh_tree.h"
-#include "scenegraph/query/scene_slots.h"
+#include "scenegraph/query/instance_tests.h"
 #include "scenegraph/query/surface.h"
 
 namespace sightline::scenegraph::query {
@@ -19,6 +20,7 @@ using accel::geometry::HitState;
 using accel::geometry::RayColumns;
 using accel::lazy::OnDeferred;
 using accel::lazy::WhenPending;
+using accel::wide::Goal;
 using accel::wide::kLanes;
 
 OnDeferred on_deferred(Growth growth) {
@@ -36,6 +38,19 @@ OnDeferred on_deferred(Growth growth) {
   return OnDeferred::kExpand;
 }
 
+Goal goal(QueryKind kind) {
+  switch (kind) {
+    case QueryKind::kAny:
+      return Goal::kAny;
+    case QueryKind::kCount:
+    case QueryKind::kAll:
+      return Goal::kEvery;
+    case QueryKind::kClosest:
+      break;
+  }
+  return Goal::kNearest;
+}
+
 }  // namespace
 
 Caster::Caster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees, QueryKind kind,
@@ -49,27 +64,27 @@ Caster::Caster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees, 
                  Collected(options.max_hits)) {
   for (accel::wide::Packet* packet : {&scene_, &mesh_}) {
     packet->best = &best_;
-    packet->any = kind == QueryKind::kAny;
+    packet->goal = goal(kind);
   }
   mesh_.culling = options.culling;
+  mesh_.sinks = std::span(sinks_).first(collected_.size());
 }
 
 void Caster::read() {
   accel::wide::read(*rays_, packet_.first, packet_.count, given_);
   for (accel::wide::Packet* packet : {&scene_, &mesh_}) {
     packet->work.fill(0);
+    packet->saw_deferred = packet->suspended = 0;
     packet->stopped = false;
   }
   masks_.read(rays_->mask, packet_);
   best_.clear();
   valid_ = accel::wide::valid(given_, trees_.static_tree().center(), packet_.lanes);
-  suspended_ = saw_deferred_ = 0;
-  renewed_ = false;
   frame_ = nullptr;
-  lazy_ = {};
-  lazy_.on_deferred = on_deferred_;
-  lazy_.pin = &pin_;
-  lazy_.cancelled = options_.cancelled;
+  cells_ = {};
+  cells_.on_deferred = on_deferred_;
+  cells_.pin = &pin_;
+  cells_.cancelled = options_.cancelled;
   for (std::size_t i = 0; i < collected_.size(); ++i) sinks_[i] = collected_[i].begin(kind_);
 }
 
@@ -79,15 +94,15 @@ std::uint32_t Caster::cast(const RayColumns& rays, const RayPacket& packet,
   rays_ = &rays;
   packet_ = packet;
   read();
-  lazy_.when_pending = when_pending;
+  cells_.when_pending = when_pending;
   for (const instances::OpenTree& tree : trees_.all()) {
     if (scene_.stopped) break;
     if (tree.instances.size() > 0)
       walk_tree(tree,
                 &tree == &trees_.all().front() ? counters_.static_built : counters_.dynamic_built);
   }
-  if (lazy_.suspended) progress_ = lazy_.progress;
-  return scene_.stopped || lazy_.is_cancelled() ? 0 : end();
+  if (scene_.suspended != 0 || scene_.stopped) progress_ = cells_.progress;
+  return scene_.stopped || cells_.is_cancelled() ? 0 : end();
 }
 
 std::optional<Arrival> Caster::scout(const RayColumns& rays, std::size_t ray) {
@@ -106,19 +121,17 @@ std::uint32_t Caster::end() {
 void Caster::walk_tree(const instances::OpenTree& tree, accel::kdtree::BuildCounters& built) {
   accel::lazy::LazyTree& kd = tree.instances.tree();
   if (kd.tree().bounds().empty()) return;
-  std::uint32_t lanes = left_to_cast(valid_);
+  std::uint32_t lanes = scene_.left(valid_);
   if (lanes == 0) return;
-  SceneSlots slots(*this, tree, built);
+  InstanceTests content(*this, tree, built);
   const accel::kdtree::Slot root = accel::kdtree::load(kd.root());
-  if (root.is_leaf() && root.leaf_count() == 1) return slots.visit_only(root.leaf_first(), lanes);
+  if (root.is_leaf() && root.leaf_count() == 1) return content.visit_only(root.leaf_first(), lanes);
   lanes = accel::wide::center(given_, tree.instances.center(), lanes, scene_.rays);
+  scene_.live = 0;
   accel::wide::Prepared prepared{.slow = lanes};
   if (kd.frame()) prepared = accel::wide::prepare(scene_, *kd.frame(), lanes);
-  slots.walk(prepared);
-}
-
-std::uint32_t Caster::left_to_cast(std::uint32_t lanes) const {
-  return lanes & ~suspended_ & ~(scene_.any ? best_.found : 0);
+  if (tree.instances.is_searched()) return content.search_all(prepared.live | prepared.slow);
+  accel::lazy::GrowingLeaf(kd, scene_, cells_, counters_.walked, built, content).walk(prepared);
 }
 
 void Caster::enter(const instances::Instance& instance, std::uint32_t index, std::uint32_t lanes,
@@ -132,7 +145,7 @@ void Caster::enter(const instances::Instance& instance, std::uint32_t index, std
   stats_.instances_entered += static_cast<std::uint64_t>(std::popcount(lanes));
   if (on_deferred_ == OnDeferred::kSkip) {
     if (!instance.mesh->is_resident()) {
-      saw_deferred_ |= lanes;
+      scene_.saw_deferred |= lanes;
       return;
     }
   } else {
@@ -141,15 +154,12 @@ void Caster::enter(const instances::Instance& instance, std::uint32_t index, std
   mesh_.node = instance.node;
   mesh_.instance = index;
   model::Mesh::OwnedTree& mesh = instance.mesh->owned_tree();
-  const accel::lazy::OwnedTree owned(lazy_, mesh);
-  mesh.tree.query(
-      mesh_, lanes,
-      {lazy_, saw_deferred_, counters_.walked, built, std::span(sinks_).first(collected_.size())});
-  renewed_ |= lazy_.joined;
-  if (lazy_.awaited.tree != nullptr) {
+  const accel::lazy::OwnedTree owned(cells_, mesh);
+  mesh.tree.query(mesh_, lanes, cells_, counters_.walked, built);
+  if (cells_.awaited.tree != nullptr) {
     mesh.join();
     const auto scout = static_cast<std::size_t>(std::countr_zero(lanes));
-    arrival_ = {lazy_.awaited, decltype(Arrival::owner)(&mesh), ray_of(mesh_.rays, scout)};
+    arrival_ = {cells_.awaited, decltype(Arrival::owner)(&mesh), ray_of(mesh_.rays, scout)};
   }
   scene_.stopped |= mesh_.stopped;
   if (kind_ != QueryKind::kCount || mesh_.stopped) return;
@@ -174,7 +184,7 @@ std::uint32_t Caster::work(std::size_t lane) const {
   if ((valid_ >> lane & 1) == 0) return 0;
   const std::uint32_t work =
       std::min(scene_.work[lane] + mesh_.work[lane], accel::geometry::kWorkDeferred - 1);
-  const bool deferred = (saw_deferred_ >> lane & 1) != 0;
+  const bool deferred = ((scene_.saw_deferred | mesh_.saw_deferred) >> lane & 1) != 0;
   return work | (deferred ? accel::geometry::kWorkDeferred : 0);
 }
 
@@ -189,9 +199,9 @@ RayTally Caster::list(std::size_t lane, std::vector<Hit>& hits) {
   RayTally tally{.work = work(lane), .state = state(lane)};
   if (tally.state != HitState::kHit) return tally;
   const accel::geometry::Ray given = (*rays_)[packet_.first + lane];
-  const std::span<const accel::mesh::ListedHit> found =
+  const std::span<const accel::wide::ListedHit> found =
       collected_[lane].list(stats_, tally.cut_off);
-  for (const accel::mesh::ListedHit& listed : found)
+  for (const accel::wide::ListedHit& listed : found)
     hits.push_back(hit_of(listed, trees_, given, options_.surface));
   tally.count = static_cast<std::uint32_t>(found.size());
   return tally;
@@ -199,12 +209,13 @@ RayTally Caster::list(std::size_t lane, std::vector<Hit>& hits) {
 
 void Caster::write(const HitColumns& hits) {
   for (std::size_t i = 0; i < kLanes; ++i) scene_.work[i] += mesh_.work[i];
-  const accel::wide::Outcome outcome{best_,  scene_.work,   answered(),
-                                     valid_, saw_deferred_, scene_.any};
+  const bool any = kind_ == QueryKind::kAny;
+  const accel::wide::Outcome outcome{
+      best_, scene_.work, answered(), valid_, scene_.saw_deferred | mesh_.saw_deferred, any};
   accel::wide::write(outcome, hits, packet_.first);
   // Trees that this thread has left may be gone once its pin is renewed.
-  if (options_.surface && !scene_.any)
-    write_surfaces({given_, outcome, packet_.first, !renewed_}, trees_, *rays_, hits);
+  if (options_.surface && !any)
+    write_surfaces({given_, outcome, packet_.first, !cells_.renewed}, trees_, *rays_, hits);
 }
 
 TraceStats Caster::stats() const {

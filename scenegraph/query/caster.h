@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "accel/kdtree/epoch.h"
-#include "accel/lazy/walk_lazily.h"
+#include "accel/lazy/cell_query.h"
 #include "accel/wide/carry.h"
 #include "accel/wide/float_rays.h"
 #include "accel/wide/packet.h"
@@ -68,18 +68,16 @@ class Caster {
   TraceStats stats() const;
 
  private:
-  class SceneSlots;
+  class InstanceTests;
 
   void read();
   std::uint32_t end();
   void walk_tree(const instances::OpenTree& tree, accel::kdtree::BuildCounters& built);
   void enter(const instances::Instance& instance, std::uint32_t index, std::uint32_t lanes,
              accel::kdtree::BuildCounters& built);
-  /// Those of `lanes` whose answer may still change here.
-  std::uint32_t left_to_cast(std::uint32_t lanes) const;
   /// For counts and lists: those of `lanes` that have not entered the instance before.
   std::uint32_t entering(std::uint32_t index, std::uint32_t lanes);
-  std::uint32_t answered() const { return packet_.lanes & ~suspended_; }
+  std::uint32_t answered() const { return packet_.lanes & ~scene_.suspended; }
   std::uint32_t work(std::size_t lane) const;
   accel::geometry::HitState state(std::size_t lane) const;
 
@@ -96,18 +94,15 @@ class Caster {
   // The current packet.
   const accel::geometry::RayColumns* rays_ = nullptr;
   RayPacket packet_;
-  std::array<accel::mesh::HitSinks, accel::wide::kLanes> sinks_;
+  std::array<accel::wide::HitSink, accel::wide::kLanes> sinks_;
   accel::wide::GivenRays given_;
   accel::wide::BestHits best_;
   accel::wide::Packet scene_, mesh_;  // the rays in the frame of a tree, and of an instance
   Masks masks_;
-  std::uint32_t valid_ = 0;  // rays that are not invalid
-  std::uint32_t suspended_ = 0;
-  std::uint32_t saw_deferred_ = 0;
-  bool renewed_ = false;                  // the pin, since the packet began
+  std::uint32_t valid_ = 0;               // rays that are not invalid
   const model::Affine* frame_ = nullptr;  // of the instance that was entered last
   std::uint32_t in_frame_ = 0;            // the rays that are in range there
-  accel::lazy::LazyQuery lazy_;
+  accel::lazy::CellQuery cells_;
 };
 
 }  // namespace sightline::scenegraph::query

@@ -4,7 +4,7 @@
 
 namespace sightline::scenegraph::query {
 
-accel::mesh::HitSinks Collected::begin(QueryKind kind) {
+accel::wide::HitSink Collected::begin(QueryKind kind) {
   list_.clear();
   primitives_.clear();
   entered_.clear();
@@ -18,8 +18,8 @@ std::uint32_t Collected::count(TraceStats& stats) const {
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(counted_, kMaxCount));
 }
 
-std::span<const accel::mesh::ListedHit> Collected::list(TraceStats& stats, bool& cut_off) {
-  std::span<const accel::mesh::ListedHit> hits = list_.sorted();
+std::span<const accel::wide::ListedHit> Collected::list(TraceStats& stats, bool& cut_off) {
+  std::span<const accel::wide::ListedHit> hits = list_.sorted();
   cut_off = hits.size() > max_hits_;
   if (cut_off) {
     hits = hits.first(max_hits_);

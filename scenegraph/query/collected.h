@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "accel/mesh/mesh_tree.h"
+#include "accel/wide/packet.h"
 #include "scenegraph/query/entered.h"
 #include "scenegraph/trace_options.h"
 
@@ -20,7 +20,7 @@ class Collected {
 
   /// Begins a ray, and returns where its hits go: those of all meshes for kAll, and for kCount
   /// those of one instance. Both null for other kinds.
-  accel::mesh::HitSinks begin(QueryKind kind);
+  accel::wide::HitSink begin(QueryKind kind);
   /// False: the ray has entered the instance before.
   bool enter(std::uint32_t instance) { return entered_.add(instance); }
   /// For kCount: after the mesh of an instance was asked, if the ray has hit anything so far.
@@ -32,12 +32,12 @@ class Collected {
   /// kCount: the number of hits, at most kMaxCount. Adds to the statistics.
   std::uint32_t count(TraceStats& stats) const;
   /// kAll: the hits that are kept, ascending, and whether others are cut off. Adds as well.
-  std::span<const accel::mesh::ListedHit> list(TraceStats& stats, bool& cut_off);
+  std::span<const accel::wide::ListedHit> list(TraceStats& stats, bool& cut_off);
 
  private:
   const std::uint32_t max_hits_;
-  accel::mesh::UniqueHits<accel::mesh::ListedHit> list_;
-  accel::mesh::UniqueHits<std::uint32_t> primitives_;  // hit in the instance that the ray is in
+  accel::wide::UniqueHits<accel::wide::ListedHit> list_;
+  accel::wide::UniqueHits<std::uint32_t> primitives_;  // hit in the instance that the ray is in
   EnteredOnce entered_;
   std::uint64_t counted_ = 0;  // hits in the instances so far
 };

@@ -45,14 +45,15 @@ PencilCaster::PencilCaster(accel::kdtree::EpochPin& pin, const instances::OpenTr
       options_(options),
       rays_(rays),
       hits_(hits),
-      only_(find_only(trees, options)) {}
+      only_(find_only(trees, options)),
+      any_(options.kind == QueryKind::kAny) {}
 
 void PencilCaster::make_group() {
   group_ = std::make_unique<Group>();
   for (std::size_t p = 0; p < group_->packets.size(); ++p) {
     Packet& packet = group_->packets[p];
     packet.best = &group_->best[p];
-    packet.any = options_.kind == QueryKind::kAny;
+    packet.goal = any_ ? accel::wide::Goal::kAny : accel::wide::Goal::kNearest;
     packet.node = only_->node;
     packet.instance = 0;
     packet.culling = options_.culling;
@@ -122,9 +123,9 @@ std::uint32_t PencilCaster::write(std::size_t first, std::size_t count, const La
     if (lanes != range.lanes) continue;
     answered |= 1u << p;
     const accel::wide::Outcome outcome{
-        group_->best[p], group_->packets[p].work, lanes, lanes, 0, group_->packets[p].any};
+        group_->best[p], group_->packets[p].work, lanes, lanes, 0, any_};
     accel::wide::write(outcome, hits_, range.first);
-    if (options_.surface && !group_->packets[p].any)
+    if (options_.surface && !any_)
       write_surfaces({group_->given[p], outcome, range.first, true}, trees_, rays_, hits_);
     stats_.rays += range.count;
     stats_.hits += static_cast<std::uint64_t>(std::popcount(group_->best[p].found));

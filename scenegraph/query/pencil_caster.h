@@ -62,6 +62,7 @@ class PencilCaster {
   const accel::geometry::RayColumns& rays_;
   const accel::geometry::HitColumns& hits_;
   const instances::Instance* const only_;  // null: pencils do not suit the revision
+  const bool any_;                         // not the closest hit
   TraceStats stats_;
   // After a failure, as many groups of rays are not tried; twice as many and one after the next.
   std::size_t failed_ = 0, to_skip_ = 0;

@@ -31,7 +31,7 @@ void set_surface(const instances::Instance& instance, const accel::geometry::Ray
   if (size != 0 && std::isfinite(size)) hit.normal = Vec3f(normal * (1 / size));
 }
 
-accel::geometry::Hit hit_of(const accel::mesh::ListedHit& listed, const instances::OpenTrees& trees,
+accel::geometry::Hit hit_of(const accel::wide::ListedHit& listed, const instances::OpenTrees& trees,
                             const accel::geometry::Ray& ray, bool surface) {
   accel::geometry::Hit hit;
   hit.state = accel::geometry::HitState::kHit;

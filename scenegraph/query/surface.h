@@ -2,7 +2,7 @@
 #pragma once
 
 #include "accel/geometry/ray.h"
-#include "accel/mesh/unique_hits.h"
+#include "accel/wide/unique_hits.h"
 #include "scenegraph/instances/instance_group.h"
 #include "scenegraph/instances/scene_trees.h"
 
@@ -13,7 +13,7 @@ void set_surface(const instances::Instance& instance, const accel::geometry::Ray
                  accel::geometry::Hit& hit);
 
 /// A listed hit of the ray, with its surface if that is asked for.
-accel::geometry::Hit hit_of(const accel::mesh::ListedHit& listed, const instances::OpenTrees& trees,
+accel::geometry::Hit hit_of(const accel::wide::ListedHit& listed, const instances::OpenTrees& trees,
                             const accel::geometry::Ray& ray, bool surface);
 
 }  // namespace sightline::scenegraph::query

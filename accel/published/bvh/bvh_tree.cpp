@@ -5,7 +5,7 @@
 
 #include <tbb/task_arena.h>
 
-#include "accel/mesh/leaf_test.h"
+#include "accel/mesh/face_test.h"
 #include "accel/published/bvh/bvh_measure.h"
 #include "accel/published/bvh/traverse.h"
 
@@ -25,7 +25,12 @@ void BvhTree::build(kdtree::BuildCounters& counters) {
   built_.store(bvh.release(), std::memory_order_release);
 }
 
-void BvhTree::query(mesh::LeafTest& test) const { walk(*built(), test.ray, test.walked, test); }
+void BvhTree::query(mesh::FaceTest& test, kdtree::WalkCounters& walked) const {
+  kdtree::WalkCounters own;
+  walk(*built(), test.ray().in_tree(), own, test);
+  test.packet().work[test.ray().lane()] += static_cast<std::uint32_t>(own.steps);
+  walked += own;
+}
 
 kdtree::TreeMetrics BvhTree::metrics() const {
   if (is_built()) return measure(*built());

@@ -26,7 +26,7 @@ class BvhTree final : public mesh::WholeTree {
 
   bool is_built() const override { return built() != nullptr; }
   void build(kdtree::BuildCounters& counters) override;
-  void query(mesh::LeafTest& test) const override;
+  void query(mesh::FaceTest& test, kdtree::WalkCounters& walked) const override;
   std::uint64_t bytes() const override { return is_built() ? built()->bytes() : 0; }
   kdtree::TreeMetrics metrics() const override;
   std::uint64_t cells() const override { return is_built() ? 2 * built()->nodes.size() + 1 : 1; }

@@ -6,7 +6,8 @@
 #include <cstdint>
 #include <span>
 
-#include "accel/kdtree/traverse.h"
+#include "accel/kdtree/tree_ray.h"
+#include "accel/kdtree/walk_counters.h"
 #include "accel/published/bvh/bvh.h"
 
 namespace sightline::accel::published::bvh {

@@ -136,14 +136,14 @@ TEST(CompiledTop, SkippedCellsBelowItAreReported) {
   std::uint32_t reported = 0;
   tests::each_packet(rays, kLanes, [&](std::span<const Ray> part) {
     AskedPacket skipping(part, {}), searching(part, {});
-    skipping.lazy.on_deferred = OnDeferred::kSkip;
-    searching.lazy.on_deferred = OnDeferred::kScan;
+    skipping.cells.on_deferred = OnDeferred::kSkip;
+    searching.cells.on_deferred = OnDeferred::kScan;
     skipping.ask(*of.tree, of.view);
     searching.ask(*of.tree, of.view);
-    reported |= skipping.saw_deferred;
+    reported |= skipping.packet->saw_deferred;
     for (std::size_t lane = 0; lane < part.size(); ++lane) {
       EXPECT_EQ(searching.answer(lane), search(of.mesh, part[lane], {}));
-      if ((skipping.saw_deferred >> lane & 1) != 0) continue;
+      if ((skipping.packet->saw_deferred >> lane & 1) != 0) continue;
       EXPECT_EQ(skipping.answer(lane), search(of.mesh, part[lane], {}));
     }
   });

@@ -16,6 +16,7 @@
 #include "accel/kdtree/epoch.h"
 #include "accel/mesh/mesh_tree.h"
 #include "accel/published/any_builder.h"
+#include "tests/support/mesh_query.h"
 #include "tests/support/scenes.h"
 #include "tests/support/sleep_shortly.h"
 
@@ -68,14 +69,10 @@ std::vector<double> ask_all(mesh::MeshTree& tree, const std::vector<geometry::Ra
   for (const geometry::Ray& ray : rays) {
     before_ray(answers.size());
     const kdtree::EpochPin pin;
-    mesh::MeshQuery query;
-    query.ray = *make_local_ray(ray.origin, ray.direction);
-    query.tmin = ray.tmin;
-    query.tmax = ray.tmax;
-    query.node = 1;
+    tests::MeshQuery query = tests::query_of(ray);
     kdtree::WalkCounters walked;
     kdtree::BuildCounters built;
-    tree.query(query, walked, built);
+    tests::ask(tree, query, walked, built);
     answers.push_back(query.found ? query.best_t : geometry::kInfinity);
   }
   return answers;

@@ -7,6 +7,7 @@
 #include "accel/mesh/mesh_tree.h"
 #include "accel/published/any_builder.h"
 #include "tests/accel/wide/rule_over_mesh.h"
+#include "tests/support/mesh_query.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::tests {
@@ -19,24 +20,15 @@ inline std::unique_ptr<accel::mesh::MeshTree> make_tree(
       mesh.view(), accel::mesh::compute_mesh_stats(mesh.view()), builder, references);
 }
 
-inline accel::mesh::MeshQuery query_of(const accel::geometry::Ray& ray) {
-  accel::mesh::MeshQuery query;
-  query.ray = *make_local_ray(ray.origin, ray.direction);
-  query.tmin = ray.tmin;
-  query.tmax = ray.tmax;
-  query.node = 1;
-  return query;
-}
-
 /// By one ray alone.
 inline Answer ask(accel::mesh::MeshTree& tree, const accel::geometry::Ray& ray,
                   accel::mesh::OnDeferred on_deferred = accel::mesh::OnDeferred::kExpand) {
   const accel::kdtree::EpochPin pin;
-  accel::mesh::MeshQuery query = query_of(ray);
-  query.on_deferred = on_deferred;
+  MeshQuery query = query_of(ray);
+  query.cells.on_deferred = on_deferred;
   accel::kdtree::WalkCounters walked;
   accel::kdtree::BuildCounters built;
-  tree.query(query, walked, built);
+  ask(tree, query, walked, built);
   return query.found ? Answer{true, query.best_t, query.best_primitive} : Answer{};
 }
 

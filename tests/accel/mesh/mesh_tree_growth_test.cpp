@@ -8,6 +8,7 @@
 
 #include "accel/kdtree/epoch.h"
 #include "accel/kdtree/tree_metrics.h"
+#include "accel/lazy/growing_leaf.h"
 #include "accel/mesh/mesh_tree.h"
 #include "accel/published/any_builder.h"
 #include "tests/accel/mesh/asked_tree.h"
@@ -40,8 +41,8 @@ TEST(MeshTreeGrowth, GrowsOnlyWhereRaysGo) {
   }
   const kdtree::EpochPin pin;
   for (const geometry::Ray& ray : rays) {
-    MeshQuery query = query_of(ray);
-    tree->query(query, walked, first);
+    tests::MeshQuery query = query_of(ray);
+    ask(*tree, query, walked, first);
   }
   EXPECT_GT(first.cells_expanded, 0u);
   EXPECT_GE(first.touches_prepare, mesh.faces.size());
@@ -50,8 +51,8 @@ TEST(MeshTreeGrowth, GrowsOnlyWhereRaysGo) {
   EXPECT_GT(growth.references_built, 0u);
   EXPECT_LT(growth.references_built, mesh.faces.size() / 5);
   for (const geometry::Ray& ray : rays) {
-    MeshQuery query = query_of(ray);
-    tree->query(query, walked, again);
+    tests::MeshQuery query = query_of(ray);
+    ask(*tree, query, walked, again);
   }
   EXPECT_EQ(again.cells_expanded, 0u);
   EXPECT_EQ(again.touches, 0u);
@@ -120,13 +121,13 @@ TEST(MeshTreeGrowth, TreesStayUsableAfterACancelledBuild) {
 std::uint64_t tests_when_cancelled(MeshTree& tree, const geometry::LocalRay& ray) {
   const kdtree::EpochPin pin;
   const std::atomic<bool> cancelled{true};
-  MeshQuery query;
-  query.on_deferred = OnDeferred::kScan;
-  query.cancelled = &cancelled;
+  tests::MeshQuery query;
+  query.cells.on_deferred = OnDeferred::kScan;
+  query.cells.cancelled = &cancelled;
   query.ray = ray;
   kdtree::WalkCounters walked;
   kdtree::BuildCounters built;
-  tree.query(query, walked, built);
+  ask(tree, query, walked, built);
   return walked.tests;
 }
 

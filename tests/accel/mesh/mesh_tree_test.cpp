@@ -189,11 +189,11 @@ TEST_P(EveryShape, AnAnyHitExistsIfAndOnlyIfANearestHitDoes) {
   const auto tree = make_tree(mesh);
   for (const geometry::Ray& ray : rays_for(mesh, 40)) {
     const kdtree::EpochPin pin;
-    MeshQuery any = query_of(ray);
-    any.any = true;
+    tests::MeshQuery any = query_of(ray);
+    any.goal = wide::Goal::kAny;
     kdtree::WalkCounters walked;
     kdtree::BuildCounters built;
-    tree->query(any, walked, built);
+    ask(*tree, any, walked, built);
     ASSERT_EQ(any.found, search(mesh, ray, tests::Question{}).found);
   }
 }

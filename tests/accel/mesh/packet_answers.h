@@ -12,8 +12,8 @@
 
 #include "accel/geometry/intersect.h"
 #include "accel/kdtree/epoch.h"
+#include "accel/mesh/face_test.h"
 #include "accel/mesh/mesh_tree.h"
-#include "accel/mesh/packet_query.h"
 #include "accel/wide/packet.h"
 #include "tests/accel/wide/mesh_as_tree.h"
 #include "tests/support/scenes.h"
@@ -69,7 +69,7 @@ class AskedPacket {
       : rays_(rays.size()), lanes_((2u << (rays.size() - 1)) - 1) {
     best->clear();
     packet->best = best.get();
-    packet->any = question.any;
+    packet->goal = question.any ? accel::wide::Goal::kAny : accel::wide::Goal::kNearest;
     packet->culling = question.culling;
     packet->node = 1;
     packet->work.fill(0);
@@ -80,19 +80,16 @@ class AskedPacket {
 
   void ask(accel::mesh::MeshTree& tree) {
     const accel::kdtree::EpochPin pin;
-    tree.query(*packet, lanes_, {lazy, saw_deferred, walked, built});
+    tree.query(*packet, lanes_, cells, walked, built);
   }
-  /// For a tree that makes blocks. No ray is too far away.
   void ask(accel::lazy::LazyTree& tree, const accel::geometry::MeshView& mesh) {
     const accel::kdtree::EpochPin pin;
-    const std::uint32_t slow = accel::mesh::query_packet(
-        {{lazy, saw_deferred, walked, built}, tree, mesh}, *packet, lanes_);
-    ASSERT_EQ(slow, 0u);
+    accel::mesh::query_faces(tree, mesh, *packet, lanes_, cells, walked, built);
   }
 
   PacketAnswer answer(std::size_t lane) const {
     const bool found = (best->found >> lane & 1) != 0;
-    if (!found || packet->any) return {found};
+    if (!found || packet->goal == accel::wide::Goal::kAny) return {found};
     return {true, best->t[lane], best->primitive[lane]};
   }
 
@@ -104,8 +101,7 @@ class AskedPacket {
 
   std::unique_ptr<accel::wide::Packet> packet = std::make_unique<accel::wide::Packet>();
   std::unique_ptr<accel::wide::BestHits> best = std::make_unique<accel::wide::BestHits>();
-  accel::lazy::LazyQuery lazy;
-  std::uint32_t saw_deferred = 0;
+  accel::lazy::CellQuery cells;
   accel::kdtree::WalkCounters walked;
   accel::kdtree::BuildCounters built;
 

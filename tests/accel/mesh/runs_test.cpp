@@ -11,12 +11,14 @@
 #include "accel/mesh/face_boxes.h"
 #include "accel/mesh/mesh_stats.h"
 #include "accel/mesh/mesh_tree.h"
+#include "tests/support/mesh_query.h"
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::accel::mesh {
 namespace {
 
+using tests::MeshQuery;
 using tests::TestMesh;
 
 /// A wavy sheet with faces in row order.
@@ -98,13 +100,9 @@ TEST(Runs, AreNotMadeWhereTheyDoNotHelp) {
 
 MeshQuery ask(MeshTree& tree, const geometry::Ray& ray, kdtree::BuildCounters& built) {
   const kdtree::EpochPin pin;
-  MeshQuery query;
-  query.ray = *make_local_ray(ray.origin, ray.direction);
-  query.tmin = ray.tmin;
-  query.tmax = ray.tmax;
-  query.node = 1;
+  MeshQuery query = tests::query_of(ray);
   kdtree::WalkCounters walked;
-  tree.query(query, walked, built);
+  tests::ask(tree, query, walked, built);
   return query;
 }
 
@@ -150,14 +148,10 @@ TEST(Runs, AreScannedWhereNothingIsGrown) {
     const kdtree::EpochPin pin;
     const MeshQuery expected = ask(grown, ray, counters);
     for (MeshTree* tree : {&cold, &grown}) {
-      MeshQuery query;
-      query.ray = *make_local_ray(ray.origin, ray.direction);
-      query.tmin = ray.tmin;
-      query.tmax = ray.tmax;
-      query.node = 1;
-      query.on_deferred = OnDeferred::kScan;
+      MeshQuery query = tests::query_of(ray);
+      query.cells.on_deferred = OnDeferred::kScan;
       kdtree::WalkCounters walked;
-      tree->query(query, walked, counters);
+      tests::ask(*tree, query, walked, counters);
       ASSERT_EQ(query.found, expected.found);
       ASSERT_EQ(query.best_t, expected.best_t);
       ASSERT_EQ(query.best_primitive, expected.best_primitive);

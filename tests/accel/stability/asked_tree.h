@@ -11,11 +11,13 @@
 #include <string_view>
 #include <vector>
 
+#include "accel/geometry/intersect.h"
 #include "accel/kdtree/epoch.h"
 #include "accel/kdtree/tree_metrics.h"
 #include "accel/mesh/face_boxes.h"
 #include "accel/mesh/mesh_tree.h"
 #include "accel/published/any_builder.h"
+#include "tests/support/mesh_query.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::tests {
@@ -54,15 +56,11 @@ class AskedTree {
                      accel::mesh::OnDeferred on_deferred = accel::mesh::OnDeferred::kExpand,
                      const std::atomic<bool>* cancelled = nullptr) {
     accel::kdtree::EpochPin pin;
-    accel::mesh::MeshQuery query;
-    query.pin = &pin;
-    query.ray = *accel::geometry::make_local_ray(ray.origin, ray.direction);
-    query.tmin = ray.tmin;
-    query.tmax = ray.tmax;
-    query.node = 1;
-    query.on_deferred = on_deferred;
-    query.cancelled = cancelled;
-    tree_.query(query, walked_, built_);
+    MeshQuery query = query_of(ray);
+    query.cells.pin = &pin;
+    query.cells.on_deferred = on_deferred;
+    query.cells.cancelled = cancelled;
+    ask(tree_, query, walked_, built_);
     return query.found ? NearestHit{query.best_t, query.best_primitive} : NearestHit{};
   }
 

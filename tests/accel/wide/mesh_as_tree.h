@@ -59,11 +59,11 @@ inline void set_rays(std::span<const accel::geometry::Ray> rays, accel::wide::Ra
   }
 }
 
-class NoSlots final : public accel::wide::SlotVisitor {
- public:
-  bool visit(accel::kdtree::AtomicSlot&, std::uint32_t) override {
+/// Leaf policy.
+struct NoSlots {
+  static accel::wide::Child enter(accel::kdtree::AtomicSlot&, std::uint32_t) {
     ADD_FAILURE() << "a tree without slots";
-    return false;
+    return {};
   }
 };
 

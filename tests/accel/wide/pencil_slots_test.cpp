@@ -24,7 +24,7 @@ struct PencilWalk {
   PencilWalk(std::span<const Ray> rays, bool any) {
     best->clear();
     packet->best = best.get();
-    packet->any = any;
+    packet->goal = any ? Goal::kAny : Goal::kNearest;
     packet->node = 1;
     packet->work.fill(0);
     tests::set_rays(rays, packet->rays);
@@ -32,7 +32,7 @@ struct PencilWalk {
 
   Answer answer(std::size_t lane) const {
     const bool found = (best->found >> lane & 1) != 0;
-    if (!found || packet->any) return {found};
+    if (!found || packet->goal == Goal::kAny) return {found};
     return {true, best->t[lane], best->primitive[lane]};
   }
 
@@ -55,8 +55,8 @@ bool is_done_as_pencil(const MeshInParts& parts, Child root, std::span<const Ray
                        PencilWalk& walk) {
   PencilLanes lanes{};
   lanes[0] = (1u << rays.size()) - 1;
-  WalkTotals totals;
-  const PencilLanes done = walk_pencil({walk.packet.get(), 1}, parts.of.frame, root, lanes, totals);
+  kdtree::WalkCounters walked;
+  const PencilLanes done = walk_pencil({walk.packet.get(), 1}, parts.of.frame, root, lanes, walked);
   EXPECT_TRUE(done == lanes || done == PencilLanes{});
   return done == lanes;
 }

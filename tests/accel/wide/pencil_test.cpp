@@ -56,7 +56,7 @@ class Packets {
       Packet& packet = packets_[count_];
       best_[count_].clear();
       packet.best = &best_[count_];
-      packet.any = question.any;
+      packet.goal = question.any ? Goal::kAny : Goal::kNearest;
       packet.culling = question.culling;
       packet.node = kNode;
       packet.work.fill(0);
@@ -87,9 +87,9 @@ class Packets {
 
   /// Sets which rays are done.
   void walk(const Frame& frame, Child root) {
-    WalkTotals totals;
+    kdtree::WalkCounters counters;
     const PencilLanes walked =
-        walk_pencil(std::span(packets_).first(count_), frame, root, lanes, totals);
+        walk_pencil(std::span(packets_).first(count_), frame, root, lanes, counters);
     for (std::size_t p = 0; p < kPencilPackets; ++p) EXPECT_EQ(walked[p] & ~lanes[p], 0u);
     done.clear();
     for (const auto& at : at_) done.push_back(has(walked, at));

@@ -28,7 +28,7 @@ INSTANTIATE_TEST_SUITE_P(Every, Slots, tests::every_simd_target(), tests::simd_t
 enum class AtSlot : std::uint8_t { kFinish, kSkip, kStop };
 
 /// Notes which rays meet which slots.
-class Visitor final : public SlotVisitor {
+class Visitor {
  public:
   Visitor(MeshInParts& parts, Packet& packet, AtSlot does)
       : met(parts.slots.size()),
@@ -37,7 +37,7 @@ class Visitor final : public SlotVisitor {
         packet_(packet),
         does_(does) {}
 
-  bool visit(kdtree::AtomicSlot& slot, std::uint32_t lanes) override {
+  Child enter(kdtree::AtomicSlot& slot, std::uint32_t lanes) {
     EXPECT_NE(lanes, 0u);
     EXPECT_FALSE(packet_.stopped);
     const std::size_t part = parts_.part_of(slot);
@@ -45,7 +45,7 @@ class Visitor final : public SlotVisitor {
     ++visits.at(part);
     if (does_ == AtSlot::kFinish) parts_.finish(part);
     if (does_ == AtSlot::kStop) packet_.stopped = true;
-    return does_ == AtSlot::kFinish;
+    return does_ == AtSlot::kFinish ? Child::slot(&slot) : Child{};
   }
 
   std::vector<std::uint32_t> met;
@@ -62,7 +62,7 @@ struct Walk {
   Walk(const MeshInParts& parts, std::span<const Ray> rays, bool any) {
     best->clear();
     packet->best = best.get();
-    packet->any = any;
+    packet->goal = any ? Goal::kAny : Goal::kNearest;
     packet->node = 1;
     packet->work.fill(0);
     tests::set_rays(rays, packet->rays);
@@ -70,14 +70,14 @@ struct Walk {
   }
 
   void run(Child root, Visitor& visitor) {
-    WalkTotals totals;
-    walk(*packet, root, live, visitor, totals);
-    if (!packet->any && !packet->stopped) settle(*packet, live);
+    kdtree::WalkCounters walked;
+    walk(*packet, root, live, Leaf(visitor), walked);
+    if (packet->goal == Goal::kNearest && !packet->stopped) settle(*packet, live);
   }
 
   Answer answer(std::size_t lane) const {
     const bool found = (best->found >> lane & 1) != 0;
-    if (!found || packet->any) return {found};
+    if (!found || packet->goal == Goal::kAny) return {found};
     return {true, best->t[lane], best->primitive[lane]};
   }
 

@@ -29,7 +29,7 @@ std::unique_ptr<Packet> packet_of(std::span<const Ray> rays, const Question& que
   auto packet = std::make_unique<Packet>();
   best.clear();
   packet->best = &best;
-  packet->any = question.any;
+  packet->goal = question.any ? Goal::kAny : Goal::kNearest;
   packet->culling = question.culling;
   packet->node = 1;
   packet->work.fill(0);
@@ -47,9 +47,9 @@ std::vector<Answer> ask(const MeshAsTree& of, std::span<const Ray> rays, const Q
   EXPECT_EQ(prepared.live & prepared.slow, 0u);
   EXPECT_EQ((prepared.live | prepared.slow) & ~lanes, 0u);
   slow = prepared.slow;
-  tests::NoSlots slots;
-  WalkTotals totals;
-  walk(*packet, of.tree->root(), prepared.live, slots, totals);
+  tests::NoSlots none;
+  kdtree::WalkCounters walked;
+  walk(*packet, of.tree->root(), prepared.live, Leaf(none), walked);
   if (!question.any) settle(*packet, prepared.live);
   std::vector<Answer> answers;
   for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -88,37 +88,64 @@ std::size_t expect_exact(const MeshAsTree& of, std::span<const Ray> rays, std::s
   return hits;
 }
 
-/// Remembers the triangles that a walk visits.
-class Visited final : public TriangleVisitor {
- public:
-  explicit Visited(const TestMesh& mesh) : has(mesh.faces.size()) {}
-  void visit(const blocks::Block& block, std::uint32_t triangles) override {
-    for (std::uint32_t i = 0; i < block.triangles; ++i) {
-      if ((triangles >> i & 1) != 0) has[block.id(i)] = true;
-    }
-  }
-  std::vector<bool> has;
+/// What a ray collects: at most three hits, fewer than many rays have, and all primitives.
+struct Collected {
+  UniqueHits<ListedHit> list{3};
+  UniqueHits<std::uint32_t> primitives;
 };
 
-/// Every triangle that a ray hits is visited. Returns how many are.
-std::size_t expect_visits(const MeshAsTree& of, std::span<const Ray> rays, Culling culling) {
-  std::size_t visits = 0;
-  tests::NoSlots slots;
-  WalkTotals totals;
-  for (const Ray& ray : rays) {
-    BestHits best;
-    const auto packet = packet_of({&ray, 1}, {.culling = culling}, best);
-    const Prepared prepared = prepare(*packet, of.frame, 1);
-    if (prepared.slow != 0) continue;
-    Visited visited(of.mesh);
-    if (prepared.live != 0) walk_every(*packet, of.tree->root(), 0, slots, visited, totals);
-    for (std::size_t i = 0; i < of.mesh.faces.size(); ++i) {
-      EXPECT_TRUE(visited.has[i] || !tests::hit(of.mesh, i, ray, culling))
-          << tests::text(ray) << ", face " << i;
-    }
-    visits += static_cast<std::size_t>(std::count(visited.has.begin(), visited.has.end(), true));
+/// All hits of a ray by the rule.
+std::vector<ListedHit> every_hit(const TestMesh& mesh, const Ray& ray, Culling culling) {
+  std::vector<ListedHit> hits;
+  for (std::uint32_t i = 0; i < mesh.faces.size(); ++i) {
+    if (const std::optional<double> t = tests::hit(mesh, i, ray, culling))
+      hits.push_back({*t, 1, i, 0});
   }
-  return visits;
+  std::sort(hits.begin(), hits.end());
+  return hits;
+}
+
+void expect_collected(Collected& found, std::vector<ListedHit> expected, const Ray& ray) {
+  std::vector<std::uint32_t> ids;
+  for (const ListedHit& hit : expected) ids.push_back(hit.primitive);
+  std::sort(ids.begin(), ids.end());
+  EXPECT_TRUE(std::ranges::equal(found.primitives.sorted(), ids)) << tests::text(ray);
+  expected.resize(std::min<std::size_t>(expected.size(), 3));
+  EXPECT_TRUE(std::ranges::equal(found.list.sorted(), expected)) << tests::text(ray);
+}
+
+/// Lists and counts every hit, in packets of `size`. Returns how many there are.
+std::size_t expect_every(const MeshAsTree& of, std::span<const Ray> rays, std::size_t size,
+                         Culling culling) {
+  std::size_t hits = 0;
+  for (std::size_t i = 0; i < rays.size(); i += size) {
+    const auto part = rays.subspan(i, std::min(size, rays.size() - i));
+    std::array<Collected, kLanes> found;
+    std::uint32_t slow = 0;
+    for (const bool counts : {false, true}) {
+      std::array<HitSink, kLanes> sinks;
+      for (std::size_t k = 0; k < kLanes; ++k) {
+        sinks[k] =
+            counts ? HitSink{.primitives = &found[k].primitives} : HitSink{.list = &found[k].list};
+      }
+      BestHits best;
+      const auto packet = packet_of(part, {.culling = culling}, best);
+      packet->goal = Goal::kEvery;
+      packet->sinks = sinks;
+      const Prepared prepared = prepare(*packet, of.frame, (2u << (part.size() - 1)) - 1);
+      slow = prepared.slow;
+      tests::NoSlots none;
+      kdtree::WalkCounters walked;
+      walk(*packet, of.tree->root(), prepared.live, Leaf(none), walked);
+    }
+    for (std::size_t k = 0; k < part.size(); ++k) {
+      if ((slow >> k & 1) != 0) continue;
+      const std::vector<ListedHit> expected = every_hit(of.mesh, part[k], culling);
+      expect_collected(found[k], expected, part[k]);
+      hits += expected.size();
+    }
+  }
+  return hits;
 }
 
 /// Rays one after the other whose directions have the same signs and main axis as the first: they
@@ -213,12 +240,15 @@ TEST_P(OnEveryMesh, LimitsAtHitsAreClosed) {
   for (const Question& question : kQuestions) expect_exact(*of_, rays, kLanes, question);
 }
 
-TEST_P(OnEveryMesh, EveryHitIsVisited) {
-  const std::vector<Ray> hard = tests::make_hard_rays(of_->mesh, 48, 26);
-  EXPECT_GT(expect_visits(*of_, hard, Culling::kNone), 0u);
+TEST_P(OnEveryMesh, EveryHitIsListedAndCounted) {
+  const std::vector<Ray> hard = tests::make_hard_rays(of_->mesh, 48, 26),
+                         together = side_by_side(of_->mesh, 3, 28);
+  EXPECT_GT(expect_every(*of_, hard, 1, Culling::kNone), 0u);
   for (const Culling culling : {Culling::kNone, Culling::kBack, Culling::kFront}) {
-    expect_visits(*of_, tests::with_limits_at_hits(of_->mesh, hard), culling);
-    expect_visits(*of_, steep(*of_, 48, 27), culling);
+    expect_every(*of_, tests::with_limits_at_hits(of_->mesh, hard), kLanes, culling);
+    expect_every(*of_, steep(*of_, 48, 27), 5, culling);
+    expect_every(*of_, together, kLanes, culling);
+    expect_every(*of_, tests::with_limits_at_hits(of_->mesh, together), kLanes, culling);
   }
 }
 

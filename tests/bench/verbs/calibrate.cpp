@@ -3,16 +3,20 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "accel/grow/block_subtrees.h"
 #include "accel/kdtree/box_filter.h"
 #include "accel/lazy/lazy_tree.h"
+#include "accel/mesh/face_boxes.h"
 #include "accel/mesh/face_references.h"
-#include "accel/mesh/leaf_test.h"
+#include "accel/mesh/face_test.h"
 #include "accel/split/split_rule.h"
 #include "tests/bench/verbs/verbs.h"
 #include "tests/bench/verbs/workload.h"
+#include "tests/support/mesh_query.h"
 
 namespace sightline::bench {
 namespace {
@@ -21,8 +25,7 @@ using accel::geometry::LocalRay;
 using accel::kdtree::AtomicSlot;
 using accel::kdtree::Reference;
 using accel::lazy::LazyTree;
-using accel::mesh::LeafTest;
-using accel::mesh::MeshQuery;
+using accel::mesh::FaceTest;
 
 // The triangles of a scene as one mesh.
 struct Subject {
@@ -33,16 +36,22 @@ struct Subject {
 
 // A query of the whole mesh by one ray that meets its box.
 struct OneRay {
-  OneRay(const Subject& subject, const LocalRay& ray) {
-    query.ray = ray;
-    enter(query.ray, padded(subject.stats.bounds), 0, std::numeric_limits<double>::max(), in_tree);
+  OneRay(const Subject& subject, const LocalRay& ray) : bounds(padded(subject.stats.bounds)) {
+    best.clear();
+    packet->best = &best;
+    packet->work.fill(0);
+    tests::set_ray(ray, 0, std::numeric_limits<double>::max(), packet->rays);
+    test.emplace(subject.mesh, bounds, *packet, 0, cells, walked);
   }
   OneRay(const OneRay&) = delete;
   OneRay& operator=(const OneRay&) = delete;
 
-  MeshQuery query;
-  accel::kdtree::TreeRay in_tree;
+  const accel::geometry::Aabb bounds;
+  const std::unique_ptr<accel::wide::Packet> packet = std::make_unique<accel::wide::Packet>();
+  accel::wide::BestHits best;
+  accel::lazy::CellQuery cells;
   accel::kdtree::WalkCounters walked;
+  std::optional<FaceTest> test;
 };
 
 double seconds_of(const std::function<void()>& work) {
@@ -54,7 +63,7 @@ double seconds_of(const std::function<void()>& work) {
 // All boxes and nothing else: the least that a search must read. Of one ray, in seconds.
 double pass_over_boxes(const Subject& subject, std::span<const Reference> refs) {
   const OneRay one(subject, subject.rays.front());
-  const accel::kdtree::FilterRay filter = accel::kdtree::filter_ray(one.in_tree);
+  const accel::kdtree::FilterRay filter = accel::kdtree::filter_ray(one.test->ray().in_tree());
   std::uint64_t met = 0;
   const double seconds = seconds_of([&] {
     for (std::size_t i = 0; i < refs.size(); i += accel::kdtree::kFilterBatch) {
@@ -72,8 +81,7 @@ double search(const Subject& subject, const Search& each) {
   double seconds = 0;
   for (const LocalRay& ray : subject.rays) {
     OneRay one(subject, ray);
-    LeafTest test{subject.mesh, one.query, one.in_tree, one.walked};
-    seconds += seconds_of([&] { each(test); });
+    seconds += seconds_of([&] { each(*one.test); });
   }
   return seconds / static_cast<double>(subject.rays.size());
 }
@@ -138,8 +146,8 @@ Result<std::vector<Row>> run_calibrate(const CommonOptions& common) {
   std::uint64_t divided = 0, finished = 0;
   for (int repeat = 0; repeat < common.repeat; ++repeat) {
     pass.push_back(pass_over_boxes(subject, refs));
-    everything.push_back(search(subject, [](LeafTest& test) { test.everything(); }));
-    list.push_back(search(subject, [&](LeafTest& test) { test.references(refs); }));
+    everything.push_back(search(subject, [](FaceTest& test) { test.everything(); }));
+    list.push_back(search(subject, [&](FaceTest& test) { test.references(refs); }));
     LazyTree tree(padded(subject.stats.bounds), subject.stats.finite_triangles,
                   accel::split::default_rule(),
                   accel::mesh::source_of_faces(subject.mesh, subject.stats.bounds, true, nullptr),

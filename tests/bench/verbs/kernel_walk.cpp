@@ -27,7 +27,6 @@ using accel::geometry::LocalRay;
 using accel::geometry::MeshView;
 using accel::geometry::Ray;
 using accel::kdtree::AtomicSlot;
-using accel::kdtree::DeferredAction;
 using accel::kdtree::DeferredCell;
 using accel::kdtree::TreeRay;
 using accel::kdtree::WalkCounters;
@@ -119,22 +118,23 @@ struct MeshVisit {
     return false;
   }
 
-  bool leaf(std::span<const std::uint32_t> ids) {
+  void leaf(std::span<const std::uint32_t> ids) {
     for (const std::uint32_t id : ids) test(id);
-    return false;
   }
 
-  bool finished(const accel::kdtree::FinishedSubtree& subtree) {
-    return accel::wide::walk_in_doubles(static_cast<const accel::wide::WideTree&>(subtree), ray,
-                                        *this, walked);
+  void finished(const accel::kdtree::FinishedSubtree& subtree) {
+    accel::wide::walk_in_doubles(static_cast<const accel::wide::WideTree&>(subtree), ray, *this,
+                                 walked);
   }
 
-  DeferredAction deferred(AtomicSlot&, const DeferredCell&) {
+  bool deferred(AtomicSlot&, const DeferredCell&) {
     for (std::uint32_t id = 0; id < mesh.faces.size(); ++id) {
       if (const auto box = accel::mesh::face_bounds(mesh, id)) search(id, *box);
     }
-    return DeferredAction::kDone;
+    return false;
   }
+
+  static bool is_done() { return false; }
 
   void search(std::uint32_t id, const accel::geometry::Aabb& box) {
     if (may_meet(ray, box, limit())) test(id);
@@ -162,17 +162,18 @@ struct SceneVisit {
 
   double limit() const { return answer.tmax() / centered.unit + slack; }
 
-  bool leaf(std::span<const std::uint32_t> ids) {
+  void leaf(std::span<const std::uint32_t> ids) {
     for (const std::uint32_t id : ids) enter(id);
+  }
+
+  static void finished(const accel::kdtree::FinishedSubtree&) {}
+
+  bool deferred(AtomicSlot&, const DeferredCell&) {
+    for (const Instance& instance : tests::all_instances(instances)) enter(instance.index);
     return false;
   }
 
-  static bool finished(const accel::kdtree::FinishedSubtree&) { return false; }
-
-  DeferredAction deferred(AtomicSlot&, const DeferredCell&) {
-    for (const Instance& instance : tests::all_instances(instances)) enter(instance.index);
-    return DeferredAction::kDone;
-  }
+  static bool is_done() { return false; }
 
   void enter(std::uint32_t id) {
     const Instance& instance = instances[id];

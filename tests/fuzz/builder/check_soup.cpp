@@ -18,6 +18,7 @@
 #include "accel/mesh/mesh_tree.h"
 #include "accel/published/any_builder.h"
 #include "accel/wide/wide_node.h"
+#include "tests/support/mesh_query.h"
 #include "tests/support/rational_hit.h"
 
 namespace sightline::tests {
@@ -25,7 +26,6 @@ namespace sightline::tests {
 using accel::geometry::LocalRay;
 using accel::geometry::MeshView;
 using accel::geometry::Ray;
-using accel::mesh::MeshQuery;
 using accel::mesh::MeshTree;
 using accel::published::AnyBuilder;
 
@@ -97,14 +97,14 @@ Answer ask(MeshTree& tree, const SoupCase& soup, const Ray& ray, const LocalRay&
   fresh.tmin = ray.tmin;
   fresh.tmax = ray.tmax;
   fresh.culling = soup.culling;
-  fresh.node = 1;
   MeshQuery any = fresh, nearest = fresh, all = fresh;
-  any.any = true;
-  accel::mesh::UniqueHits<std::uint32_t> primitives;
-  all.primitives = &primitives;
-  tree.query(any, walked, built);
-  tree.query(nearest, walked, built);
-  tree.query(all, walked, built);
+  any.goal = accel::wide::Goal::kAny;
+  all.goal = accel::wide::Goal::kEvery;
+  accel::wide::UniqueHits<std::uint32_t> primitives;
+  all.sink.primitives = &primitives;
+  ask(tree, any, walked, built);
+  ask(tree, nearest, walked, built);
+  ask(tree, all, walked, built);
   Answer answer;
   if (nearest.found) {
     answer.t = nearest.best_t;

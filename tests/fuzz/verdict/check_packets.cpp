@@ -1,8 +1,10 @@
 #include "tests/fuzz/verdict/check_packets.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -16,9 +18,9 @@ namespace wide = accel::wide;
 
 namespace {
 
-class NoSlotsBelow final : public wide::SlotVisitor {
- public:
-  bool visit(accel::kdtree::AtomicSlot&, std::uint32_t) override { return false; }
+/// Leaf policy of trees without slots.
+struct NoSlotsBelow {
+  static wide::Child enter(accel::kdtree::AtomicSlot&, std::uint32_t) { return {}; }
 };
 
 /// What a walk has left in a packet, against the rule.
@@ -69,6 +71,12 @@ class PacketCheck {
   const bool any_;
 };
 
+void walk(wide::Packet& packet, wide::Child root, std::uint32_t lanes) {
+  NoSlotsBelow none;
+  accel::kdtree::WalkCounters walked;
+  wide::walk(packet, root, lanes, wide::Leaf(none), walked);
+}
+
 std::optional<std::string> walk_and_check(const VerdictCase& asked, const VerdictTree& tree,
                                           const wide::WideTree& walked, const ExactAnswers& exact,
                                           std::uint32_t lanes, bool any) {
@@ -76,9 +84,7 @@ std::optional<std::string> walk_and_check(const VerdictCase& asked, const Verdic
   lanes &= ~prepare_packet(asked, tree, any, packet).slow;
   const std::uint32_t live = lanes & prepare(*packet.packet, tree.frame(), lanes).live;
   const PacketCheck check(exact, packet, any);
-  NoSlotsBelow slots;
-  wide::WalkTotals totals;
-  wide::walk(*packet.packet, walked.root(), live, slots, totals);
+  walk(*packet.packet, walked.root(), live);
   const auto each = [&](auto test) -> std::optional<std::string> {
     for (std::uint32_t left = lanes; left != 0; left &= left - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(left));
@@ -95,31 +101,38 @@ std::optional<std::string> walk_and_check(const VerdictCase& asked, const Verdic
   return each([&](std::size_t lane) { return check.check_answer(lane); });
 }
 
-/// Notes the triangles that it visits.
-class Triangles final : public wide::TriangleVisitor {
- public:
-  void visit(const accel::blocks::Block& block, std::uint32_t triangles) override {
-    for (; triangles != 0; triangles &= triangles - 1)
-      seen |= 1u << block.id(static_cast<std::size_t>(std::countr_zero(triangles)));
-  }
-
-  std::uint32_t seen = 0;
-};
-
+/// Every hit of these rays: listed up to the hits that they come with, or counted.
 std::optional<std::string> check_every(const VerdictCase& asked, const VerdictTree& tree,
-                                       const ExactAnswers& exact) {
+                                       const ExactAnswers& exact, std::uint32_t lanes,
+                                       bool counts) {
   PreparedPacket packet;
-  const wide::Prepared prepared = prepare_packet(asked, tree, false, packet);
-  NoSlotsBelow slots;
-  wide::WalkTotals totals;
-  for (std::size_t lane = 0; lane < asked.rays.size(); ++lane) {
-    if ((prepared.slow >> lane & 1) != 0) continue;
-    Triangles triangles;
-    if ((prepared.live >> lane & 1) != 0)
-      wide::walk_every(*packet.packet, tree.single().root(), lane, slots, triangles, totals);
-    for (std::size_t face = 0; face < asked.faces.size(); ++face) {
-      if (exact.counts(lane, face) && (triangles.seen >> face & 1) == 0)
-        return fmt::format("every hit: ray {}: misses triangle {}", lane, face);
+  const wide::Prepared prepared = prepare_packet(asked, tree, counts, packet);
+  std::array<wide::UniqueHits<wide::ListedHit>, wide::kLanes> lists;
+  std::array<wide::UniqueHits<std::uint32_t>, wide::kLanes> primitives;
+  std::array<wide::HitSink, wide::kLanes> sinks;
+  for (std::size_t lane = 0; lane < wide::kLanes; ++lane) {
+    sinks[lane] = counts ? wide::HitSink{.primitives = &primitives[lane]}
+                         : wide::HitSink{.list = &lists[lane]};
+  }
+  packet.packet->goal = wide::Goal::kEvery;
+  packet.packet->sinks = sinks;
+  walk(*packet.packet, tree.single().root(), prepared.live & lanes);
+  for (std::uint32_t left = lanes & ~prepared.slow; left != 0; left &= left - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+    std::vector<std::uint32_t> found(primitives[lane].sorted().begin(),
+                                     primitives[lane].sorted().end());
+    for (const wide::ListedHit& hit : lists[lane].sorted()) {
+      if (hit.t != exact.pair(lane, hit.primitive).world)
+        return fmt::format("every hit: ray {}: t of triangle {}", lane, hit.primitive);
+      found.push_back(hit.primitive);
+    }
+    for (std::uint32_t face = 0; face < asked.faces.size(); ++face) {
+      const ExactPair& pair = exact.pair(lane, face);
+      const bool expected =
+          counts ? pair.local && !pair.culled && pair.in_limits && std::isfinite(pair.world)
+                 : exact.counts(lane, face);
+      if (expected != (std::ranges::count(found, face) == 1))
+        return fmt::format("every hit: ray {}: triangle {}", lane, face);
     }
   }
   return std::nullopt;
@@ -133,7 +146,7 @@ wide::Prepared prepare_packet(const VerdictCase& asked, const VerdictTree& tree,
   wide::BestHits& best = *out.best;
   best.clear();
   packet.best = &best;
-  packet.any = any;
+  packet.goal = any ? wide::Goal::kAny : wide::Goal::kNearest;
   packet.culling = asked.culling;
   packet.node = kAskedNode;
   packet.work.fill(0);
@@ -168,7 +181,13 @@ std::optional<std::string> check_packets(const VerdictCase& asked, const Verdict
       }
     }
   }
-  return check_every(asked, tree, exact);
+  for (const bool counts : {false, true}) {
+    if (auto wrong = check_every(asked, tree, exact, all, counts)) return wrong;
+    for (std::uint32_t left = all; left != 0; left &= left - 1) {
+      if (auto wrong = check_every(asked, tree, exact, left & (~left + 1), counts)) return wrong;
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace sightline::tests

@@ -23,8 +23,8 @@ struct PreparedPacket {
 accel::wide::Prepared prepare_packet(const VerdictCase& asked, const VerdictTree& tree, bool any,
                                      PreparedPacket& out);
 
-/// Nearest and any hit, all rays together and each alone, equal the hit rule, and a walk to every
-/// hit misses none. Describes what is wrong.
+/// Nearest, any and every hit, all rays together and each alone, equal the hit rule. Describes what
+/// is wrong.
 std::optional<std::string> check_packets(const VerdictCase& asked, const VerdictTree& tree,
                                          const ExactAnswers& exact);
 

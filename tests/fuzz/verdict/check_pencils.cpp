@@ -95,9 +95,9 @@ class PencilAsking {
 
   std::optional<std::string> walk(const VerdictTree& tree, const wide::WideTree& walked,
                                   const ExactAnswers& exact, std::uint64_t& done) {
-    wide::WalkTotals totals;
+    accel::kdtree::WalkCounters counters;
     const wide::PencilLanes answered =
-        wide::walk_pencil(packets_, tree.frame(), walked.root(), lanes_, totals);
+        wide::walk_pencil(packets_, tree.frame(), walked.root(), lanes_, counters);
     for (std::size_t i = 0; i < asked_.rays.size(); ++i) {
       const bool is_done = answered[i / wide::kLanes] >> i % wide::kLanes & 1;
       done += is_done ? 1 : 0;

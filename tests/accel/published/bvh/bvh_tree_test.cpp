@@ -13,6 +13,7 @@
 #include "accel/mesh/mesh_tree.h"
 #include "accel/published/any_builder.h"
 #include "accel/published/bvh/traverse.h"
+#include "tests/support/mesh_query.h"
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
 
@@ -56,22 +57,22 @@ TEST(BvhTree, OnlyRaysThatMayBuildBuild) {
     mesh::MeshTree tree(mesh.view(), mesh::compute_mesh_stats(mesh.view()), builder);
     const auto ask = [&](mesh::OnDeferred on_deferred) {
       const kdtree::EpochPin pin;
-      mesh::MeshQuery query;
+      tests::MeshQuery query;
       query.ray = *geometry::make_local_ray({0.1, 0.2, 3}, {0, 0, -1});
-      query.on_deferred = on_deferred;
+      query.cells.on_deferred = on_deferred;
       kdtree::WalkCounters walked;
       kdtree::BuildCounters built;
-      tree.query(query, walked, built);
+      tests::ask(tree, query, walked, built);
       return query;
     };
     EXPECT_EQ(tree.metrics().deferred_cells, 1u);
     EXPECT_EQ(tree.growth().cells_deferred, 1u);
-    const mesh::MeshQuery skipped = ask(mesh::OnDeferred::kSkip),
-                          searched = ask(mesh::OnDeferred::kScan);
+    const tests::MeshQuery skipped = ask(mesh::OnDeferred::kSkip),
+                           searched = ask(mesh::OnDeferred::kScan);
     EXPECT_TRUE(!skipped.found && skipped.saw_deferred);
     EXPECT_TRUE(searched.found && searched.saw_deferred);
     EXPECT_TRUE(tree.untouched());
-    const mesh::MeshQuery built = ask(mesh::OnDeferred::kExpand);
+    const tests::MeshQuery built = ask(mesh::OnDeferred::kExpand);
     EXPECT_TRUE(built.found && !built.saw_deferred);
     EXPECT_EQ(built.best_t, searched.best_t);
     EXPECT_EQ(built.best_primitive, searched.best_primitive);

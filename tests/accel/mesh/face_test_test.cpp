@@ -1,5 +1,5 @@
 // Packets in trees of meshes at every stage of growth answer as a search of all triangles.
-#include "accel/mesh/packet_query.h"
+#include "accel/mesh/face_test.h"
 
 #include <gtest/gtest.h>
 
@@ -67,10 +67,10 @@ void expect_exact(MeshTree& tree, const TestMesh& mesh, std::span<const Ray> ray
     for (std::size_t i = 0; i < rays.size(); i += size, size = size % wide::kLanes + 1) {
       const auto part = rays.subspan(i, std::min(size, rays.size() - i));
       AskedPacket asked(part, question);
-      asked.lazy.on_deferred = on_deferred;
+      asked.cells.on_deferred = on_deferred;
       asked.ask(tree);
       ASSERT_FALSE(asked.packet->stopped);
-      ASSERT_EQ(asked.saw_deferred & ~asked.lanes(), 0u);
+      ASSERT_EQ(asked.packet->saw_deferred & ~asked.lanes(), 0u);
       ASSERT_EQ(asked.work(), asked.walked.steps + asked.walked.tests);
       for (std::size_t lane = 0; lane < part.size(); ++lane) {
         const PacketAnswer expected = search(mesh, part[lane], question);
@@ -82,17 +82,17 @@ void expect_exact(MeshTree& tree, const TestMesh& mesh, std::span<const Ray> ray
   }
 }
 
-class PacketQuery : public tests::OnSimdTarget {};
-INSTANTIATE_TEST_SUITE_P(Every, PacketQuery, tests::every_simd_target(), tests::simd_target_name);
+class FaceTests : public tests::OnSimdTarget {};
+INSTANTIATE_TEST_SUITE_P(Every, FaceTests, tests::every_simd_target(), tests::simd_target_name);
 
-TEST_P(PacketQuery, InATreeThatTheyGrow) {
+TEST_P(FaceTests, InATreeThatTheyGrow) {
   for (const TestMesh& mesh : meshes()) {
     const auto tree = tree_over(mesh);
     expect_exact(*tree, mesh, packet_rays_for(mesh));
   }
 }
 
-TEST_P(PacketQuery, InATreeThatTheyPayFor) {
+TEST_P(FaceTests, InATreeThatTheyPayFor) {
   for (const TestMesh& mesh : meshes()) {
     const auto tree = tree_over(mesh);
     for (int again = 0; again < 2; ++again)
@@ -100,7 +100,7 @@ TEST_P(PacketQuery, InATreeThatTheyPayFor) {
   }
 }
 
-TEST_P(PacketQuery, InAHalfBuiltTree) {
+TEST_P(FaceTests, InAHalfBuiltTree) {
   for (const TestMesh& mesh : meshes()) {
     const std::vector<Ray> rays = packet_rays_for(mesh);
     const auto tree = tree_over(mesh);
@@ -110,7 +110,7 @@ TEST_P(PacketQuery, InAHalfBuiltTree) {
   }
 }
 
-TEST_P(PacketQuery, InAFinishedTree) {
+TEST_P(FaceTests, InAFinishedTree) {
   for (const TestMesh& mesh : meshes()) {
     const auto tree = tree_over(mesh);
     kdtree::BuildCounters built;
@@ -118,14 +118,14 @@ TEST_P(PacketQuery, InAFinishedTree) {
     const std::vector<Ray> rays = packet_rays_for(mesh);
     expect_exact(*tree, mesh, rays);
     AskedPacket asked(std::span<const Ray>(rays).first(wide::kLanes), {});
-    asked.lazy.on_deferred = OnDeferred::kSkip;
+    asked.cells.on_deferred = OnDeferred::kSkip;
     asked.ask(*tree);
-    EXPECT_EQ(asked.saw_deferred, 0u);
+    EXPECT_EQ(asked.packet->saw_deferred, 0u);
     EXPECT_EQ(asked.built.cells_expanded, 0u);
   }
 }
 
-TEST_P(PacketQuery, InATreeThatIsNeverBuilt) {
+TEST_P(FaceTests, InATreeThatIsNeverBuilt) {
   for (const TestMesh& mesh : meshes()) {
     const auto tree = tree_over(mesh);
     expect_exact(*tree, mesh, packet_rays_for(mesh), OnDeferred::kScan);
@@ -133,7 +133,7 @@ TEST_P(PacketQuery, InATreeThatIsNeverBuilt) {
   }
 }
 
-TEST_P(PacketQuery, InTreesWithoutBlocks) {
+TEST_P(FaceTests, InTreesWithoutBlocks) {
   split::ScanSplit plain = split::scan_fast();
   plain.blocks = false;
   const std::vector<published::AnyBuilder> builders{published::KdBuilder(plain),
@@ -145,7 +145,7 @@ TEST_P(PacketQuery, InTreesWithoutBlocks) {
 
 // A ray that has met no deferred cell has its answer; before the first ray, all that enter meet
 // one.
-TEST_P(PacketQuery, SkippedCellsAreReported) {
+TEST_P(FaceTests, SkippedCellsAreReported) {
   for (const TestMesh& mesh : meshes()) {
     const std::vector<Ray> rays = packet_rays_for(mesh);
     const auto untouched = tree_over(mesh), half = tree_over(mesh);
@@ -153,14 +153,14 @@ TEST_P(PacketQuery, SkippedCellsAreReported) {
     for (const PacketQuestion& question : kPacketQuestions) {
       tests::each_packet(rays, wide::kLanes, [&](std::span<const Ray> part) {
         AskedPacket at_first(part, question), later(part, question);
-        at_first.lazy.on_deferred = later.lazy.on_deferred = OnDeferred::kSkip;
+        at_first.cells.on_deferred = later.cells.on_deferred = OnDeferred::kSkip;
         at_first.ask(*untouched);
         later.ask(*half);
         EXPECT_EQ(at_first.best->found, 0u);
         for (std::size_t lane = 0; lane < part.size(); ++lane) {
           const PacketAnswer expected = search(mesh, part[lane], question);
-          EXPECT_TRUE(!expected.found || (at_first.saw_deferred >> lane & 1) != 0);
-          if ((later.saw_deferred >> lane & 1) != 0) continue;
+          EXPECT_TRUE(!expected.found || (at_first.packet->saw_deferred >> lane & 1) != 0);
+          if ((later.packet->saw_deferred >> lane & 1) != 0) continue;
           EXPECT_EQ(later.answer(lane), expected);
         }
       });
@@ -169,21 +169,21 @@ TEST_P(PacketQuery, SkippedCellsAreReported) {
   }
 }
 
-TEST_P(PacketQuery, SearchedCellsAreReported) {
+TEST_P(FaceTests, SearchedCellsAreReported) {
   const TestMesh mesh = tests::random_soup(2500, 0.08, 1);
   const auto tree = tree_over(mesh);
   const std::vector<Ray> rays = tests::rays_at(mesh, wide::kLanes, 2);
   AskedPacket searched(rays, {}), built(rays, {});
-  searched.lazy.on_deferred = OnDeferred::kScan;
+  searched.cells.on_deferred = OnDeferred::kScan;
   searched.ask(*tree);
-  EXPECT_EQ(searched.saw_deferred, searched.lanes());
+  EXPECT_EQ(searched.packet->saw_deferred, searched.lanes());
   built.ask(*tree);
-  EXPECT_EQ(built.saw_deferred, 0u);
+  EXPECT_EQ(built.packet->saw_deferred, 0u);
   EXPECT_GT(built.built.cells_expanded, 0u);
 }
 
 // Equal hits are those of the least node, then of the least triangle, whichever tree comes first.
-TEST_P(PacketQuery, HitsOfSeveralTreesAreCompared) {
+TEST_P(FaceTests, HitsOfSeveralTreesAreCompared) {
   const TestMesh mesh = tests::random_soup(1500, 0.08, 1);
   const std::vector<Ray> rays = packet_rays_for(mesh);
   const auto first = tree_over(mesh), second = tree_over(mesh);
@@ -205,26 +205,26 @@ TEST_P(PacketQuery, HitsOfSeveralTreesAreCompared) {
   }
 }
 
-TEST_P(PacketQuery, OnlyTheLanesThatAreAskedFor) {
+TEST_P(FaceTests, OnlyTheLanesThatAreAskedFor) {
   const TestMesh mesh = tests::icosphere(3);
   const auto tree = tree_over(mesh);
   const std::vector<Ray> rays(wide::kLanes, Ray{{0, 0, 3}, {0, 0, -1}});
   for (const std::uint32_t lanes : {0u, 1u, 0x8000u, 0x0ff0u, 0x5555u}) {
     AskedPacket asked(rays, {});
     const kdtree::EpochPin pin;
-    tree->query(*asked.packet, lanes, {asked.lazy, asked.saw_deferred, asked.walked, asked.built});
+    tree->query(*asked.packet, lanes, asked.cells, asked.walked, asked.built);
     EXPECT_EQ(asked.best->found, lanes);
     for (std::size_t lane = 0; lane < wide::kLanes; ++lane)
       EXPECT_EQ(asked.packet->work[lane] > 0, (lanes >> lane & 1) != 0);
   }
 }
 
-TEST_P(PacketQuery, ACancelledPacketStops) {
+TEST_P(FaceTests, ACancelledPacketStops) {
   const TestMesh mesh = tests::random_soup(5000, 0.05, 1);
   const auto tree = tree_over(mesh);
   const std::atomic<bool> cancelled{true};
   AskedPacket asked(tests::rays_at(mesh, wide::kLanes, 2), {});
-  asked.lazy.cancelled = &cancelled;
+  asked.cells.cancelled = &cancelled;
   asked.ask(*tree);
   EXPECT_TRUE(asked.packet->stopped);
   EXPECT_TRUE(tree->untouched());

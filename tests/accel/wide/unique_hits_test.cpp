@@ -1,5 +1,5 @@
 // Lists that keep each hit once, or the nearest hit.
-#include "accel/mesh/unique_hits.h"
+#include "accel/wide/unique_hits.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "tests/support/random.h"
 
-namespace sightline::accel::mesh {
+namespace sightline::accel::wide {
 namespace {
 
 TEST(UniqueHits, KeepsEachOnce) {
@@ -55,4 +55,4 @@ TEST(ListedHit, IsOrderedByDistanceThenNodeThenPrimitive) {
 }
 
 }  // namespace
-}  // namespace sightline::accel::mesh
+}  // namespace sightline::accel::wide

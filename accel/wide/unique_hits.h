@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-namespace sightline::accel::mesh {
+namespace sightline::accel::wide {
 
 /// Collects values and keeps the `limit` least distinct ones. Uses memory for at most twice the
 /// kept values, and reuses it after clear(). Amortised cost of add: logarithmic in the number kept.
@@ -70,4 +70,4 @@ struct ListedHit {
   auto operator<=>(const ListedHit&) const = default;
 };
 
-}  // namespace sightline::accel::mesh
+}  // namespace sightline::accel::wide

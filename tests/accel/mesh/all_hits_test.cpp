@@ -1,7 +1,5 @@
 // Rays by themselves and in packets find all hits that the hit rule finds over every triangle of
 // hard meshes, on every SIMD target, however much of the tree is built.
-#include "accel/mesh/float_walk.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,10 +9,12 @@
 #include "accel/geometry/intersect.h"
 #include "accel/kdtree/epoch.h"
 #include "accel/mesh/face_boxes.h"
+#include "accel/mesh/mesh_tree.h"
 #include "tests/accel/simd_targets.h"
 #include "tests/accel/wide/mesh_as_tree.h"
 #include "tests/support/hard_meshes.h"
 #include "tests/support/hard_rays.h"
+#include "tests/support/mesh_query.h"
 
 namespace sightline::accel::mesh {
 namespace {
@@ -22,7 +22,10 @@ namespace {
 using geometry::Culling;
 using geometry::Ray;
 using tests::TestMesh;
+using wide::HitSink;
 using wide::kLanes;
+using wide::ListedHit;
+using wide::UniqueHits;
 
 constexpr std::uint64_t kNode = 7;
 /// Fewer than many rays hit.
@@ -66,8 +69,8 @@ void expect_all(Found& found, const TestMesh& mesh, const Ray& ray, Culling cull
 /// Asks once for each of the two sinks.
 template <class Ask>
 void for_both(Found& found, const Ask& ask) {
-  ask(HitSinks{.list = &found.list});
-  ask(HitSinks{.primitives = &found.primitives});
+  ask(HitSink{.list = &found.list});
+  ask(HitSink{.primitives = &found.primitives});
 }
 
 void ask_alone(MeshTree& tree, const TestMesh& mesh, std::span<const Ray> rays, Culling culling,
@@ -75,39 +78,38 @@ void ask_alone(MeshTree& tree, const TestMesh& mesh, std::span<const Ray> rays, 
   const kdtree::EpochPin pin;
   for (const Ray& ray : rays) {
     Found found;
-    for_both(found, [&](const HitSinks& sinks) {
-      MeshQuery query;
-      static_cast<HitSinks&>(query) = sinks;
-      query.on_deferred = on_deferred;
-      query.ray = *make_local_ray(ray.origin, ray.direction);
-      query.tmin = ray.tmin;
-      query.tmax = ray.tmax;
+    for_both(found, [&](const HitSink& sink) {
+      tests::MeshQuery query = tests::query_of(ray);
+      query.goal = wide::Goal::kEvery;
+      query.sink = sink;
+      query.cells.on_deferred = on_deferred;
       query.culling = culling;
       query.node = kNode;
       kdtree::WalkCounters walked;
       kdtree::BuildCounters built;
-      tree.query(query, walked, built);
+      tests::ask(tree, query, walked, built);
     });
     expect_all(found, mesh, ray, culling);
   }
 }
 
 void ask_packet(MeshTree& tree, std::span<const Ray> rays, Culling culling, OnDeferred on_deferred,
-                std::span<const HitSinks> sinks) {
+                std::span<const HitSink> sinks) {
   const auto packet = std::make_unique<wide::Packet>();
   wide::BestHits best;
   best.clear();
   packet->best = &best;
+  packet->goal = wide::Goal::kEvery;
+  packet->sinks = sinks;
   packet->culling = culling;
   packet->node = kNode;
   packet->work.fill(0);
   tests::set_rays(rays, packet->rays);
-  lazy::LazyQuery lazy;
-  lazy.on_deferred = on_deferred;
-  std::uint32_t saw_deferred = 0;
+  lazy::CellQuery cells;
+  cells.on_deferred = on_deferred;
   kdtree::WalkCounters walked;
   kdtree::BuildCounters built;
-  tree.query(*packet, (2u << (rays.size() - 1)) - 1, {lazy, saw_deferred, walked, built, sinks});
+  tree.query(*packet, (2u << (rays.size() - 1)) - 1, cells, walked, built);
 }
 
 void ask_packets(MeshTree& tree, const TestMesh& mesh, std::span<const Ray> rays, Culling culling,
@@ -116,7 +118,7 @@ void ask_packets(MeshTree& tree, const TestMesh& mesh, std::span<const Ray> rays
   for (; !rays.empty(); rays = rays.subspan(std::min(kLanes, rays.size()))) {
     const auto part = rays.first(std::min(kLanes, rays.size()));
     std::array<Found, kLanes> found;
-    std::array<HitSinks, kLanes> lists, primitives;
+    std::array<HitSink, kLanes> lists, primitives;
     for (std::size_t i = 0; i < kLanes; ++i) {
       lists[i].list = &found[i].list;
       primitives[i].primitives = &found[i].primitives;

@@ -1,0 +1,29 @@
+// The one place that decides between growing, searching and waiting.
+#include "accel/lazy/cell_query.h"
+
+namespace sightline::accel::lazy {
+
+AtCell meet(LazyTree& tree, kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell,
+            std::uint64_t rays, CellQuery& query, kdtree::BuildCounters& built) {
+  if (query.on_deferred == OnDeferred::kSkip) return AtCell::kSkip;
+  if (query.on_deferred == OnDeferred::kScan) return AtCell::kSearch;
+  if (query.on_deferred == OnDeferred::kWait && tree.is_over_faces()) {
+    query.awaited = {&tree, &slot};
+    return AtCell::kStop;
+  }
+  if (tree.searches(cell, rays, query.on_deferred == OnDeferred::kDemand, built))
+    return AtCell::kSearch;
+  switch (tree.expand(slot, query.when_pending, built, query.cancelled)) {
+    case ExpandResult::kRetry:
+      query.renew_pin();
+      return AtCell::kAdvance;
+    case ExpandResult::kPending:
+      query.progress = LazyTree::progress(slot);
+      return AtCell::kStop;
+    case ExpandResult::kScanList:
+      break;
+  }
+  return AtCell::kSearch;
+}
+
+}  // namespace sightline::accel::lazy

@@ -1,0 +1,91 @@
+// The faces of a mesh against rays, one by one or in lists: for leaves of plain trees, and for
+// cells that are not built.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "accel/geometry/triangle_prefilter.h"
+#include "accel/kdtree/box_filter.h"
+#include "accel/kdtree/finished_subtree.h"
+#include "accel/kdtree/walk_counters.h"
+#include "accel/lazy/cell_query.h"
+#include "accel/mesh/runs.h"
+#include "accel/wide/lane_ray.h"
+
+namespace sightline::accel::mesh {
+
+/// One ray of a packet. Hits are offered to the packet (wide::offer()). Members that return a bool
+/// return true once the ray needs no more tests.
+class FaceTest {
+ public:
+  /// `bounds`: those of the mesh's tree. `cells`: tells when to stop. All outlive it.
+  FaceTest(const geometry::MeshView& mesh, const geometry::Aabb& bounds, wide::Packet& packet,
+           std::size_t lane, const lazy::CellQuery& cells, kdtree::WalkCounters& walked)
+      : mesh_(mesh), packet_(packet), cells_(cells), walked_(walked), ray_(packet, lane, bounds) {}
+
+  wide::Packet& packet() const { return packet_; }
+  const wide::LaneRay& ray() const { return ray_; }
+  double limit() const { return ray_.limit(); }
+
+  bool test(std::uint32_t face);
+  /// Those that the prefilter does not reject.
+  bool leaf(std::span<const std::uint32_t> faces);
+  /// Those whose box, or whose run's box, the ray meets.
+  bool references(std::span<const kdtree::Reference> refs);
+  /// Every face of the mesh.
+  bool everything();
+
+ private:
+  bool is_done();
+  void count(std::size_t tests);
+  const geometry::ShearedRay& sheared();
+  bool test_faces(FaceRange faces);
+  bool test_one_by_one(FaceRange faces);
+
+  const geometry::MeshView& mesh_;
+  wide::Packet& packet_;
+  const lazy::CellQuery& cells_;
+  kdtree::WalkCounters& walked_;
+  const wide::LaneRay ray_;
+  std::optional<geometry::ShearedRay> sheared_;  // since the first leaf that is long enough
+  std::optional<kdtree::FilterRay> filter_;      // since the first list
+};
+
+/// The rays of a packet: the content of a mesh's tree, as lazy::GrowingLeaf has it.
+class FaceTests {
+ public:
+  FaceTests(const geometry::MeshView& mesh, const geometry::Aabb& bounds, wide::Packet& packet,
+            const lazy::CellQuery& cells, kdtree::WalkCounters& walked)
+      : mesh_(mesh), bounds_(bounds), packet_(packet), cells_(cells), walked_(walked) {}
+
+  void leaf(std::span<const std::uint32_t> faces, std::uint32_t lanes);
+  void references(std::span<const kdtree::Reference> refs, std::uint32_t lanes);
+  void everything(std::uint32_t lanes);
+  void finished(const kdtree::FinishedSubtree& subtree, const wide::LaneRay& ray,
+                kdtree::WalkCounters& walked);
+
+ private:
+  using Tests = std::array<std::optional<FaceTest>, wide::kLanes>;
+
+  FaceTest& of(std::size_t lane);
+  template <class Test>
+  void each(std::uint32_t lanes, const Test& test);
+
+  const geometry::MeshView& mesh_;
+  const geometry::Aabb& bounds_;
+  wide::Packet& packet_;
+  const lazy::CellQuery& cells_;
+  kdtree::WalkCounters& walked_;
+  std::optional<Tests> tests_;  // by ray, as far as they are needed
+};
+
+/// As MeshTree::query() for a tree that grows over the faces of a mesh.
+void query_faces(lazy::LazyTree& tree, const geometry::MeshView& mesh, wide::Packet& packet,
+                 std::uint32_t lanes, lazy::CellQuery& cells, kdtree::WalkCounters& walked,
+                 kdtree::BuildCounters& built);
+
+}  // namespace sightline::accel::mesh

@@ -1,0 +1,132 @@
+// The instances of one of the scene's trees against the rays of a packet: in leaves, and in the
+// lists of cells that are not built.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "accel/lazy/growing_leaf.h"
+#include "scenegraph/query/caster.h"
+#include "scenegraph/query/entered.h"
+#include "scenegraph/query/seen.h"
+
+namespace sightline::scenegraph::query {
+
+/// The content of a scene's tree, as accel::lazy::GrowingLeaf has it. Made for one packet and one
+/// tree.
+class Caster::InstanceTests {
+ public:
+  InstanceTests(Caster& caster, const instances::OpenTree& tree,
+                accel::kdtree::BuildCounters& built)
+      : caster_(caster),
+        packet_(caster.scene_),
+        tree_(tree.instances),
+        open_(tree),
+        first_(static_cast<std::uint32_t>(tree.first)),
+        built_(built) {}
+
+  /// For a tree of one instance: its box need not be tested, as its mesh's will be.
+  void visit_only(std::uint32_t id, std::uint32_t lanes) {
+    const instances::Instance& instance = tree_[id];
+    lanes = caster_.masks_.seeing(instance.mask, lanes);
+    if (lanes != 0 && is_seen(open_, id, caster_.options_.selection))
+      caster_.enter(instance, first_ + id, lanes, built_);
+  }
+
+  /// Instead of a walk: see instances::Instances::is_searched.
+  void search_all(std::uint32_t lanes) {
+    everything(lanes);
+    caster_.counters_.walked.steps += tests_;
+    tree_.count_searched(tests_);
+  }
+
+  /// Whether an instance is entered depends only on the ray and the instance's box, not on the cell
+  /// that holds it.
+  void leaf(std::span<const std::uint32_t> ids, std::uint32_t lanes) {
+    for (const std::uint32_t id : ids) {
+      lanes = packet_.left(lanes);
+      if (lanes == 0) return;
+      const instances::Instance& instance = tree_[id];
+      std::uint32_t entering = caster_.masks_.seeing(instance.mask, recent_.add(id, lanes));
+      if (entering != 0) entering = meeting(instance.box, entering);
+      if (entering == 0 || !is_seen(open_, id, caster_.options_.selection)) continue;
+      if (!caster_.collected_.empty()) entering = caster_.entering(first_ + id, entering);
+      caster_.enter(instance, first_ + id, entering, built_);
+      tighten(first_ + id, entering);
+    }
+  }
+
+  void references(std::span<const accel::kdtree::Reference> refs, std::uint32_t lanes) {
+    for (const accel::kdtree::Reference& ref : refs) {
+      ++tests_;
+      if (caster_.cells_.is_cancelled()) packet_.stopped = true;
+      lanes = packet_.left(lanes);
+      if (lanes == 0) return;
+      const std::uint32_t met = meeting(ref.bounds(), lanes);
+      if (met != 0) visit(ref, met);
+    }
+  }
+
+  void everything(std::uint32_t lanes) { references(tree_.coarsest(), lanes); }
+
+  static void finished(const accel::kdtree::FinishedSubtree&, const accel::wide::LaneRay&,
+                       accel::kdtree::WalkCounters&) {}
+
+ private:
+  /// For rays that may meet its box. Opens groups.
+  void visit(const accel::kdtree::Reference& ref, std::uint32_t lanes) {
+    if (!ref.openable()) return leaf(std::span(&ref.id, 1), lanes);
+    const auto cluster = tree_.members_of_cluster(ref);
+    if (!cluster.empty()) return references(cluster, lanes);
+    if (caster_.cells_.on_deferred == accel::lazy::OnDeferred::kSkip && !tree_.is_open(ref)) {
+      packet_.saw_deferred |= lanes;
+      return;
+    }
+    std::vector<accel::kdtree::Reference> members;
+    tree_.open(ref, members);
+    references(members, lanes);
+  }
+
+  /// After these rays have entered an instance.
+  void tighten(std::uint32_t index, std::uint32_t lanes) {
+    const accel::wide::BestHits& best = caster_.best_;
+    if (packet_.goal == accel::wide::Goal::kAny || packet_.stopped ||
+        caster_.kind_ == QueryKind::kCount)
+      return;
+    for (lanes &= packet_.live & best.found; lanes != 0; lanes &= lanes - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+      const bool here = caster_.kind_ == QueryKind::kAll || best.instance[lane] == index;
+      // Not for a list that is not full.
+      if (here && best.t[lane] < std::numeric_limits<double>::max())
+        accel::wide::tighten(packet_, lane);
+    }
+  }
+
+  /// Those of `lanes` that may meet a box before their best hits.
+  std::uint32_t meeting(const accel::geometry::Aabb& box, std::uint32_t lanes) const {
+    const accel::geometry::Vec3f& center = packet_.center;
+    std::uint32_t met = lanes & packet_.live;
+    if (met != 0) met = accel::wide::meeting(packet_, {box.lo - center, box.hi - center}, met);
+    for (std::uint32_t slow = lanes & ~packet_.live; slow != 0; slow &= slow - 1) {
+      const accel::wide::LaneRay ray(packet_, static_cast<std::size_t>(std::countr_zero(slow)),
+                                     tree_.tree().tree().bounds());
+      if (ray.meets() && may_meet(ray.in_tree(), box, ray.limit())) met |= 1u << ray.lane();
+    }
+    return met;
+  }
+
+  Caster& caster_;
+  accel::wide::Packet& packet_;
+  const instances::Instances& tree_;
+  const instances::OpenTree& open_;
+  const std::uint32_t first_;
+  accel::kdtree::BuildCounters& built_;
+  RecentLanes recent_;
+  std::uint64_t tests_ = 0;  // of references
+};
+
+}  // namespace sightline::scenegraph::query
