@@ -80,6 +80,11 @@ void TunnelCall::OnWriteDone(bool ok) {
 
 void TunnelCall::want_next() {
   const std::lock_guard lock(mutex_);
+  read_next();
+}
+
+/// With the lock.
+void TunnelCall::read_next() {
   if (over_ || reading_) return;
   reading_ = true;
   StartRead(&incoming_);
@@ -87,7 +92,9 @@ void TunnelCall::want_next() {
 
 void TunnelCall::cancel() {
   context_.TryCancel();
-  want_next();  // it fails, which ends the call
+  const std::lock_guard lock(mutex_);
+  cancelled_ = true;
+  read_next();  // it fails, which ends the call
 }
 
 void TunnelCall::OnReadDone(bool ok) {
@@ -108,6 +115,8 @@ void TunnelCall::OnReadDone(bool ok) {
   {
     const std::lock_guard lock(mutex_);
     reading_ = false;
+    // The message was on its way already. Who cancels does not want the next one.
+    if (cancelled_) return read_next();
   }
   events_.message(std::move(message));
 }

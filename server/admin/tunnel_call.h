@@ -45,6 +45,7 @@ class TunnelCall final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
   std::size_t send(const std::optional<std::string>& message, bool last);
   /// After an event with a message.
   void want_next();
+  /// No message comes any more.
   void cancel();
 
   void OnReadDone(bool ok) override;
@@ -60,6 +61,7 @@ class TunnelCall final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
 
   TunnelCall(Tunnel& tunnel, Events events) : tunnel_(tunnel), events_(std::move(events)) {}
   void write_next();
+  void read_next();
 
   Tunnel& tunnel_;
   const Events events_;
@@ -71,7 +73,8 @@ class TunnelCall final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
   std::deque<Outgoing> outgoing_;  // the first is being written
   bool reading_ = true;
   bool closed_ = false;  // by the sender
-  bool over_ = false;    // nothing may be started any more
+  bool cancelled_ = false;
+  bool over_ = false;  // nothing may be started any more
 };
 
 }  // namespace sightline::server::admin

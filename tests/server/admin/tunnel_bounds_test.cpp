@@ -6,17 +6,22 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include "server/admin/http_server.h"
 #include "server/admin/tunnel.h"
+#include "server/admin/tunnel_call.h"
 #include "server/exec/made_for.h"
 #include "server/net/listening_sockets.h"
 #include "sightline/page/v1/tunnel.pb.h"
 #include "sightline/v1/query.pb.h"
 #include "sightline/v1/scene.pb.h"
+#include "sightline/v1/server.pb.h"
 #include "tests/server/support/live_server.h"
 #include "tests/server/support/page.h"
 #include "tests/support/scenes.h"
+#include "tests/support/sleep_shortly.h"
 
 namespace sightline::server::admin {
 namespace {
@@ -95,6 +100,33 @@ TEST_F(TunnelBounds, ReadsOnWhenTheCallsHaveTaken) {
   for (auto answer = page.receive(); answer && !answer->has_end(); answer = page.receive())
     ++answers;
   EXPECT_EQ(answers, kAnswers);
+}
+
+/// Its answer may be on its way already, and is then read by no one.
+TEST_F(TunnelBounds, EveryCancelledCallEnds) {
+  Tunnel tunnel(channel_, {});
+  const std::string request = v1::GetServerInfoRequest().SerializeAsString();
+  std::vector<std::weak_ptr<TunnelCall>> calls;
+  constexpr int kCalls = 2000;
+  for (int i = 0; i < kCalls; ++i) {
+    const auto call = TunnelCall::open(tunnel,
+                                       {.method = "/sightline.v1.ServerService/GetServerInfo",
+                                        .authorization = {},
+                                        .peer = "ipv4:127.0.0.1:1"},
+                                       {.message = [](const std::string&) {},
+                                        .taken = [](std::size_t) {},
+                                        .ended = [](const grpc::Status&) {}});
+    ASSERT_TRUE(call);
+    (*call)->send(request, true);
+    std::this_thread::sleep_for(std::chrono::microseconds(i % 500));  // cancels at any moment
+    (*call)->cancel();
+    calls.push_back(*call);
+  }
+  for (const std::weak_ptr<TunnelCall>& call : calls) {
+    while (!call.expired()) tests::sleep_shortly();
+  }
+  tunnel.stop();
+  tunnel.end_calls();
 }
 
 server::ServerConfig with_a_quota() {
