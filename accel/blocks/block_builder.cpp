@@ -139,7 +139,7 @@ class Growth {
     Node* const node = arena_.node();
     node->box = {{-b.lanes[0], -b.lanes[1], -b.lanes[2]}, {b.lanes[4], b.lanes[5], b.lanes[6]}};
     node->words = static_cast<std::uint32_t>(Block::words(count, shared.count));
-    node->block = write_block(mesh_, center_, ids, count, shared, arena_);
+    node->leaf_words = write_block(mesh_, center_, ids, count, shared, arena_);
     return node;
   }
 

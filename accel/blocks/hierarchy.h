@@ -1,4 +1,5 @@
-// A binary tree whose leaves are blocks. It lives in an arena until it is compiled to wide nodes.
+// A binary tree whose leaves are blocks, or lists. It lives in an arena until it is compiled to wide
+// nodes.
 #pragma once
 
 #include <algorithm>
@@ -11,20 +12,19 @@
 
 namespace sightline::accel::blocks {
 
-/// An inner node with two children, or a leaf: with a block (block.h), or with what its user knows.
+/// An inner node with two children, or a leaf: with a block (block.h), or with a list
+/// (kdtree/slot.h).
 struct Node {
   geometry::Aabb box;        ///< Of the clipped references below, in mesh coordinates.
-  std::uint32_t words = 0;   ///< Of the block; 0: an inner node; kOther: a leaf without a block.
+  std::uint32_t words = 0;   ///< Of the block or the list; 0: an inner node.
   std::uint16_t levels = 0;  ///< 0: a leaf; otherwise 1 + the larger of the children's.
   std::uint16_t leaves = 1;  ///< Below, up to kManyLeaves.
   union {
     const Node* left = nullptr;
-    const std::uint32_t* block;
-    std::uint64_t other;
+    const std::uint32_t* leaf_words;
   };
   const Node* right = nullptr;
 
-  static constexpr std::uint32_t kOther = ~std::uint32_t{0};
   /// Not counted further.
   static constexpr unsigned kManyLeaves = 1024;
   bool leaf() const { return words != 0; }

@@ -7,11 +7,10 @@
 #include <new>
 #include <thread>
 
-#include "accel/grow/block_subtrees.h"
+#include "accel/grow/subtrees.h"
 #include "accel/grow/cell_cut.h"
 #include "accel/grow/fork.h"
 #include "accel/grow/list_stack.h"
-#include "accel/grow/small_subtree.h"
 #include "accel/split/scan_pass.h"
 
 namespace sightline::accel::grow {
@@ -58,16 +57,13 @@ class ReferenceStack : public ListStack<kdtree::Reference> {
 };
 
 class Growth {
-  using Waits = kdtree::KdTree::Waits;
-
  public:
-  explicit Growth(const GrowContext& context)
-      : context_(context), rule_(context.rule), small_(context.rule.small_rule()) {}
+  explicit Growth(const GrowContext& context) : context_(context), rule_(context.rule) {}
 
   /// What one task writes to.
   struct Task {
     ReferenceStack& lists;
-    BlockSubtrees* blocks;  ///< Null: cells become leaves of the kd-tree.
+    Subtrees& finished;
     kdtree::BuildCounters& counters;
   };
 
@@ -75,18 +71,14 @@ class Growth {
   Grown grow(std::span<kdtree::Reference> refs, const geometry::Aabb& cell,
              const kdtree::CellPath& path, const kdtree::ChildScan* first, const Task& task) {
     if (refs.size() >= kForkFrom && is_cancelled())
-      return {defer(refs, cell, path, Waits::kLeftOver)};
-    if (task.blocks != nullptr) {
-      if (refs.size() <= kBlockCell) return task.blocks->finish(refs, cell);
-    } else if (small_ && is_small(refs)) {
-      return {grow_small(context_, *small_, refs, cell, path, task.counters)};
-    }
+      return task.finished.leave_over(refs, cell, path);
+    if (task.finished.is_leaf(refs.size())) return task.finished.finish(refs, cell);
     const std::optional<kdtree::Split> cut = path.depth < context_.max_depth
                                                  ? choose(refs, cell, path, first, task.counters)
                                                  : std::nullopt;
     if (refs.size() >= kForkFrom && is_cancelled())
-      return {defer(refs, cell, path, Waits::kLeftOver)};
-    return cut ? divide(refs, cell, path, *cut, task) : leaf(refs, cell, path, task);
+      return task.finished.leave_over(refs, cell, path);
+    return cut ? divide(refs, cell, path, *cut, task) : task.finished.finish(refs, cell);
   }
 
  private:
@@ -103,12 +95,6 @@ class Growth {
 
   Grown divide(std::span<kdtree::Reference> refs, const geometry::Aabb& cell,
                const kdtree::CellPath& path, const kdtree::Split& cut, const Task& task) {
-    // Before the list is divided: without room for the children it stays as it is.
-    std::optional<std::uint32_t> pair;
-    if (task.blocks == nullptr) {
-      pair = context_.tree.allocate_pair();
-      if (!pair) return {give_up(refs, cell, path)};
-    }
     const CellCut sides(rule_, context_.mesh, cell, path, refs.size(), cut);
     ReferenceStack& lists = task.lists;
     const ReferenceStack::Mark mark = lists.mark();
@@ -120,12 +106,12 @@ class Growth {
     task.counters.touches += done;
     if (done < refs.size()) {
       put_back({right, n.right}, cut.plane, refs.subspan(n.left, done - n.left));
-      return {defer(refs, cell, path, Waits::kLeftOver)};
+      return task.finished.leave_over(refs, cell, path);
     }
     const std::size_t straddlers = n.left + n.right - refs.size();
     if (!sides.is_made(straddlers)) {
       put_back({right, n.right}, cut.plane, refs.subspan(n.left));
-      return leaf(refs, cell, path, task);
+      return task.finished.finish(refs, cell);
     }
     if (sides.clips(straddlers, refs.size())) {
       n.left = clip(refs.first(n.left), [&](auto part) { return sides.clip(part, {}).left; });
@@ -136,17 +122,7 @@ class Growth {
     const Halves grown =
         grow_children(sides, {refs, refs.first(n.left), {right, n.right}, mark}, scans, task);
     lists.release(mark);
-    return join(cut.plane, pair, grown, task);
-  }
-
-  Grown join(const kdtree::Plane& cut, std::optional<std::uint32_t> pair, const Halves& grown,
-             const Task& task) const {
-    if (task.blocks != nullptr) return task.blocks->join(cut, grown.left, grown.right);
-    const kdtree::Slot slot = kdtree::Slot::binary(cut, *pair);
-    kdtree::AtomicSlot* children = context_.tree.children(slot);
-    set(children[0], grown.left.slot);
-    set(children[1], grown.right.slot);
-    return {slot};
+    return task.finished.join(grown.left, grown.right);
   }
 
   bool is_cancelled() const {
@@ -217,7 +193,7 @@ class Growth {
       return grown;
     }
     kdtree::BuildCounters right_counters;
-    std::optional<BlockSubtrees> right_blocks;  // of another thread
+    std::optional<Subtrees> right_finished;  // by another thread
     bool left_is_grown = false;
     const auto left = [&] {
       grow_left();
@@ -225,13 +201,13 @@ class Growth {
     };
     fork(left, [&, thread = std::this_thread::get_id()] {
       if (std::this_thread::get_id() == thread && left_is_grown)
-        return grow_right(right_list(refs, task.lists), {task.lists, task.blocks, right_counters});
+        return grow_right(right_list(refs, task.lists), {task.lists, task.finished, right_counters});
       ReferenceStack own(context_.tree, refs.right.size(),
                          waiting_below(refs.right.size(), below.right));
-      if (task.blocks != nullptr) right_blocks.emplace(context_);
-      grow_right(refs.right, {own, right_blocks ? &*right_blocks : nullptr, right_counters});
+      right_finished.emplace(context_);
+      grow_right(refs.right, {own, *right_finished, right_counters});
     });
-    if (right_blocks) task.blocks->take_over(*right_blocks);
+    if (right_finished) task.finished.take_over(*right_finished);
     task.counters += right_counters;
     return grown;
   }
@@ -243,11 +219,6 @@ class Growth {
     return refs.left.size() + refs.right.size() > refs.parent.size() &&
            straddlers * kStraddleShare >= refs.parent.size() &&
            lists.is_large_part(refs.parent.size());
-  }
-
-  /// Not published until the slot of the whole subtree is.
-  static void set(kdtree::AtomicSlot& slot, kdtree::Slot value) {
-    slot.store(value.bits(), std::memory_order_relaxed);
   }
 
   /// Undoes a division: what went to the right alone goes behind the left list.
@@ -278,31 +249,8 @@ class Growth {
     return rule_.choose(list, counters);
   }
 
-  Grown leaf(std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,
-             const kdtree::CellPath& path, const Task& task) {
-    if (task.blocks != nullptr) return task.blocks->finish(refs, cell);
-    const std::optional<kdtree::Slot> slot = context_.tree.make_leaf(refs);
-    return {slot ? *slot : give_up(refs, cell, path)};
-  }
-
-  /// The tree's arrays are full. With a budget that is no fault of the mesh.
-  kdtree::Slot give_up(std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,
-                       const kdtree::CellPath& path) {
-    if (rule_.budget(false) != 0) throw std::bad_alloc();
-    return defer(refs, cell, path, Waits::kFailed);
-  }
-
-  kdtree::Slot defer(std::span<const kdtree::Reference> refs, const geometry::Aabb& box,
-                     const kdtree::CellPath& path, Waits why) {
-    kdtree::ReferenceList list(refs.size());
-    std::copy(refs.begin(), refs.end(), list.all().begin());
-    return context_.tree.defer(std::move(list), box, path, why);
-  }
-
   const GrowContext& context_;
   const split::SplitSearch& rule_;
-  std::optional<split::BoundRule>
-      small_;  ///< For all lists up to split::kSmallList, if there is one.
 };
 
 }  // namespace
@@ -323,18 +271,14 @@ template <class FreeList>
 kdtree::Slot grow_in(const GrowContext& context, std::span<kdtree::Reference> refs,
                      const geometry::Aabb& cell, const kdtree::CellPath& path,
                      kdtree::BuildCounters& counters, const FreeList& free_list) {
-  if (const auto grown = context.rule.grow_subtree(context, refs, cell, path, counters))
-    return *grown;
-  std::optional<BlockSubtrees> blocks;
-  if (context.center != nullptr) blocks.emplace(context);
+  Subtrees finished(context);
   Grown grown;
   {
     ReferenceStack lists(context.tree, refs.size(), waiting_below(refs.size(), path));
-    grown = Growth(context).grow(refs, cell, path, nullptr,
-                                 {lists, blocks ? &*blocks : nullptr, counters});
+    grown = Growth(context).grow(refs, cell, path, nullptr, {lists, finished, counters});
   }
   free_list();
-  return blocks ? blocks->compile_all(grown) : grown.slot;
+  return finished.compile(grown);
 }
 
 }  // namespace

@@ -15,13 +15,11 @@ namespace sightline::accel::grow {
 struct GrowContext {
   kdtree::KdTree& tree;
   const split::SplitSearch& rule;
-  const geometry::MeshView* mesh = nullptr;  ///< The mesh, for rules that clip; null: no clipping.
+  const geometry::MeshView* mesh = nullptr;  ///< What the references are faces of; null: others.
+  geometry::Vec3f center;                    ///< Of the tree's bounds (blocks/frame.h).
   int max_depth = 0;
   /// Once true, cells of kForkFrom references or more that are not begun stay deferred.
   const std::atomic<bool>* cancelled = nullptr;
-  /// Finished cells become leaf blocks relative to this center of the tree's bounds
-  /// (blocks/frame.h); null: leaves of the kd-tree. Only with a mesh.
-  const geometry::Vec3f* center = nullptr;
 };
 
 /// Counts bytes of lists as held by a tree while it grows (KdTree::add_growing). Threads: one.
@@ -63,16 +61,12 @@ int depth_limit(const split::SplitSearch& rule, std::size_t references);
 
 /// Grows the subtree under `cell` and returns its slot, which is not published yet. `refs` is
 /// overwritten: a left child's list replaces its parent's, a right child's is on a stack (Hunt et
-/// al. 2006, section 6.3.1). Large subtrees are tasks in the caller's arena. If the tree's
-/// arrays are full, a cell stays deferred, marked failed, if the rule has no budget. Throws
-/// std::bad_alloc; nodes made until then stay in the tree's storage, unreachable.
-///
-/// A rule may grow subtrees in its own way (SplitSearch::grow_subtree).
+/// al. 2006, section 6.3.1). Large subtrees are tasks in the caller's arena. Throws std::bad_alloc.
 kdtree::Slot grow(const GrowContext& context, std::span<kdtree::Reference> refs,
                   const geometry::Aabb& cell, const kdtree::CellPath& path,
                   kdtree::BuildCounters& counters);
 
-/// As above; the list counts as held by the tree, and is freed before leaf blocks are compiled.
+/// As above; the list counts as held by the tree, and is freed before the subtree is compiled.
 kdtree::Slot grow(const GrowContext& context, kdtree::ReferenceList list,
                   const geometry::Aabb& cell, const kdtree::CellPath& path,
                   kdtree::BuildCounters& counters);

@@ -22,7 +22,7 @@ struct ListBytes {
   std::atomic<std::uint64_t> left_over{0};  ///< Of those, DeferredCell::left_over.
   std::atomic<std::uint64_t> retired{0};    ///< Retired cells that are not freed yet.
   std::atomic<std::uint64_t> growing{0};    ///< Lists of the subtrees that are built at once.
-  std::atomic<std::uint64_t> finished{0};   ///< Subtrees in another form than slots.
+  std::atomic<std::uint64_t> finished{0};   ///< Finished subtrees.
   /// What the tree adds its bytes to; null: nothing.
   std::shared_ptr<TreeMemory> memory{};
 
@@ -36,7 +36,7 @@ struct ListBytes {
 };
 
 /// Immutable except for the atomics, until it is retired. Readers are pinned to an epoch.
-struct alignas(8) DeferredCell : Retirable {
+struct alignas(16) DeferredCell : Retirable {
   DeferredCell() = default;
   DeferredCell(const DeferredCell&) = delete;
   DeferredCell& operator=(const DeferredCell&) = delete;
@@ -59,9 +59,6 @@ struct alignas(8) DeferredCell : Retirable {
   std::size_t size = 0;      ///< References in the cell, also if the list is not made.
   std::uint64_t weight = 0;  ///< Sum over all references.
   ChildScan first;  ///< Counts of the first pass, if they were made when the list was written.
-  /// The arrays of a tree without a budget of references (SplitSearch::budget) are full: the cell
-  /// stays deferred, and rays search its list.
-  std::atomic<bool> failed{false};
   /// What rays have spent on searching the list, or will before they go on: references read.
   mutable std::atomic<std::uint64_t> spent{0};
   LastUse last_use;  ///< By rays that searched the list.

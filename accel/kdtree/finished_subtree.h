@@ -1,4 +1,4 @@
-// A subtree that is finished and kept in another form than slots.
+// A subtree that is finished.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ struct ListBytes;
 
 /// Belongs to the tree whose slot leads to it (KdTree::finish). Never changes but for its last use.
 /// Threads: any.
-class alignas(8) FinishedSubtree : public Retirable {
+class alignas(16) FinishedSubtree : public Retirable {
  public:
   FinishedSubtree() = default;
   virtual ~FinishedSubtree() = default;

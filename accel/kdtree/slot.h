@@ -1,93 +1,82 @@
-// A slot: the 64-bit word for one child of a node: deferred cell, leaf or inner node.
+// A slot: the 64-bit word of one child: what is there, or the cell that it will be made of.
 // docs/node_layout.md has a drawing.
 #pragma once
 
+#include <atomic>
 #include <bit>
 #include <cassert>
 #include <cstdint>
-
-#include "accel/kdtree/reference.h"
+#include <span>
 
 namespace sightline::accel::kdtree {
 
 struct DeferredCell;
 class FinishedSubtree;
+struct WideNode;
 
-/// A child slot of 64 bits, always read and written as one atomic word:
+/// Read and written as one atomic word: an address, and what is there in its lowest bits. Nothing
+/// is there if it is 0.
 ///
-///     tag, bits 0..2        bits 3..31           bits 32..63
-///     deferred, expanding   the address of a DeferredCell (8-byte aligned)
-///     leaf                  count                the reference if count is 1, else the index
-///                                                of the first in the id array
-///     finished              the address of a FinishedSubtree (8-byte aligned)
-///     binary x, y, z        index of the pair    the plane's position, a float
-///                           of child slots
-///
-/// The plane is in the slot that refers to the node, so an inner node is just its two child slots:
-/// 16 bytes, one cache line.
+///     bits 0, 1   what the address is of
+///     0           a WideNode, aligned to 64 bytes
+///     1           the words of a leaf block (blocks/block.h), aligned to 4
+///     2           a DeferredCell (bit 2: a thread expands it) or a FinishedSubtree (bit 3), aligned
+///                 to 16
+///     3           a list: the number of references, and their ids; 32-bit words, aligned to 4
 class Slot {
  public:
-  enum class Tag : std::uint64_t {
-    kDeferred = 0,
-    kExpanding = 1,
-    kLeaf = 2,
-    kFinished = 3,
-    kBinaryX = 4,
-    kBinaryY = 5,
-    kBinaryZ = 6
-  };
-
-  static constexpr std::uint64_t kMaxPairs = std::uint64_t{1} << 29;
-  static constexpr std::uint64_t kMaxLeafCount = (std::uint64_t{1} << 29) - 1;
-
-  constexpr Slot() : bits_(static_cast<std::uint64_t>(Tag::kLeaf)) {}
+  constexpr Slot() = default;
   explicit constexpr Slot(std::uint64_t bits) : bits_(bits) {}
 
-  static Slot deferred(const DeferredCell* cell) { return of(cell, Tag::kDeferred); }
-  static Slot expanding(const DeferredCell* cell) { return of(cell, Tag::kExpanding); }
-  static Slot finished(const FinishedSubtree* subtree) { return of(subtree, Tag::kFinished); }
-  static constexpr Slot empty_leaf() { return Slot(); }
-  static constexpr Slot single(std::uint32_t reference) { return leaf(1, reference); }
-  static constexpr Slot leaf(std::uint64_t count, std::uint32_t first) {
-    assert(count <= kMaxLeafCount);
-    return Slot(static_cast<std::uint64_t>(Tag::kLeaf) | count << 3 | std::uint64_t{first} << 32);
-  }
-  static Slot binary(const Plane& plane, std::uint32_t pair) {
-    assert(pair < kMaxPairs);
-    return Slot(
-        (static_cast<std::uint64_t>(Tag::kBinaryX) + static_cast<std::uint64_t>(plane.axis)) |
-        std::uint64_t{pair} << 3 |
-        std::uint64_t{std::bit_cast<std::uint32_t>(plane.position)} << 32);
-  }
+  static Slot node(const WideNode* node) { return of(node, kNode); }
+  static Slot block(const std::uint32_t* words) { return of(words, kBlock); }
+  static Slot list(const std::uint32_t* words) { return of(words, kList); }
+  static Slot deferred(const DeferredCell* cell) { return of(cell, kOther); }
+  static Slot expanding(const DeferredCell* cell) { return of(cell, kOther | kClaimed); }
+  static Slot finished(const FinishedSubtree* subtree) { return of(subtree, kOther | kFinished); }
 
   constexpr std::uint64_t bits() const { return bits_; }
   constexpr bool operator==(const Slot&) const = default;
+  explicit constexpr operator bool() const { return bits_ != 0; }
 
-  constexpr Tag tag() const { return static_cast<Tag>(bits_ & 7); }
-  constexpr bool is_binary() const { return (bits_ & 4) != 0; }
-  constexpr bool is_leaf() const { return tag() == Tag::kLeaf; }
-  constexpr bool is_finished() const { return tag() == Tag::kFinished; }
-  /// Deferred or expanding: the slot holds a cell.
-  constexpr bool is_deferred() const { return (bits_ & 7) <= 1; }
+  constexpr bool is_node() const { return bits_ != 0 && (bits_ & kKind) == kNode; }
+  constexpr bool is_block() const { return (bits_ & kKind) == kBlock; }
+  constexpr bool is_list() const { return (bits_ & kKind) == kList; }
+  /// A cell or a finished subtree, which other threads may replace.
+  constexpr bool is_other() const { return (bits_ & kKind) == kOther; }
+  constexpr bool is_finished() const { return (bits_ & (kKind | kFinished)) == (kOther | kFinished); }
+  /// The slot holds a cell: also one that a thread expands.
+  constexpr bool is_deferred() const { return (bits_ & (kKind | kFinished)) == kOther; }
+  constexpr bool is_expanding() const { return is_deferred() && (bits_ & kClaimed) != 0; }
 
-  int axis() const { return static_cast<int>(bits_ & 3); }
-  float position() const { return std::bit_cast<float>(static_cast<std::uint32_t>(bits_ >> 32)); }
-  std::uint32_t pair() const { return static_cast<std::uint32_t>(bits_) >> 3; }
-  std::uint32_t leaf_count() const { return static_cast<std::uint32_t>(bits_) >> 3; }
-  std::uint32_t leaf_first() const { return static_cast<std::uint32_t>(bits_ >> 32); }
-  DeferredCell* cell() const { return std::bit_cast<DeferredCell*>(bits_ & ~std::uint64_t{7}); }
-  const FinishedSubtree* finished() const {
-    return std::bit_cast<const FinishedSubtree*>(bits_ & ~std::uint64_t{7});
+  const WideNode* node() const { return address<WideNode>(); }
+  /// Of a block or a list.
+  const std::uint32_t* words() const {
+    return std::bit_cast<const std::uint32_t*>(bits_ & ~kKind);
   }
+  std::span<const std::uint32_t> list() const { return {words() + 1, *words()}; }
+  DeferredCell* cell() const { return const_cast<DeferredCell*>(address<DeferredCell>()); }
+  const FinishedSubtree* finished() const { return address<FinishedSubtree>(); }
 
  private:
-  static Slot of(const void* pointed, Tag tag) {
+  static constexpr std::uint64_t kKind = 3, kClaimed = 4, kFinished = 8, kLow = 15;
+  static constexpr std::uint64_t kNode = 0, kBlock = 1, kOther = 2, kList = 3;
+
+  static Slot of(const void* pointed, std::uint64_t tag) {
     const auto address = std::bit_cast<std::uint64_t>(pointed);
-    assert((address & 7) == 0);
-    return Slot(address | static_cast<std::uint64_t>(tag));
+    assert((address & ((tag & kKind) == kBlock || (tag & kKind) == kList ? kKind : kLow)) == 0);
+    return Slot(address | tag);
+  }
+  template <class T>
+  const T* address() const {
+    return std::bit_cast<const T*>(bits_ & ~kLow);
   }
 
-  std::uint64_t bits_;
+  std::uint64_t bits_ = 0;
 };
+
+using AtomicSlot = std::atomic<std::uint64_t>;
+
+inline Slot load(const AtomicSlot& slot) { return Slot(slot.load(std::memory_order_acquire)); }
 
 }  // namespace sightline::accel::kdtree

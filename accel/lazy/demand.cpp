@@ -6,7 +6,7 @@
 #include <tuple>
 #include <vector>
 
-#include "accel/grow/block_subtrees.h"
+#include "accel/grow/subtrees.h"
 #include "accel/lazy/demand_costs.h"
 #include "accel/lazy/lazy_tree.h"
 #include "accel/lazy/timed.h"

@@ -69,7 +69,7 @@ Division cut_in_two(const kdtree::DeferredCell& cell, const grow::CellCut& cut, 
                           {static_cast<double>(sizes.left), static_cast<double>(sizes.right)})
                     : cut.paths(sizes);
   Division division;
-  division.cuts.push_back({cut.cut(), {true, 0}, {true, 1}});
+  division.is_cut = true;
   division.cells.push_back({cut.halves().left, below.left, std::move(parts.left), left});
   division.cells.push_back({cut.halves().right, below.right, std::move(parts.right), right});
   return division;

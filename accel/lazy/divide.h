@@ -1,4 +1,4 @@
-// What a cell becomes when it is expanded: a leaf, two cells, a few cells at once, or the same cell
+// What a cell becomes when it is expanded: a leaf, a node over two to eight cells, or the same cell
 // with a finer list.
 #pragma once
 
@@ -39,11 +39,11 @@ struct NewCell {
   std::uint64_t weight = 0;  ///< Of the references in its list.
 };
 
-/// What takes the place of a cell: a tree of cuts over new cells. Without cuts there is one new
-/// cell, the same one with a finer list, or none: the cell becomes a leaf.
+/// What takes the place of a cell: the new cells, which become the children of a node. Where the
+/// cell is not cut there is one, the same cell with a finer list, or none: the cell becomes a leaf.
 struct Division {
-  std::vector<SplitTree::Node> cuts;  ///< The first is the topmost.
-  std::vector<NewCell> cells;
+  std::vector<NewCell> cells{};
+  bool is_cut = false;
   bool compact = false;  ///< There is room for the ids of the new lists only.
 };
 

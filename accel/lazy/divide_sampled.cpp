@@ -127,7 +127,7 @@ std::optional<Division> divide_sampled(const DivideContext& context,
         result->parts = cuts->divide(buffer.first(n), buffer.data() + n, of_slice);
         return result;
       });
-  Division division{{cuts->nodes().begin(), cuts->nodes().end()}, {}};
+  Division division{.is_cut = true};
   bool separates = !cell.has_list;
   for (std::size_t p = 0; p < cuts->leaves().size(); ++p) {
     kdtree::CellList list = gather_part(pass, p);

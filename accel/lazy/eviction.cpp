@@ -75,18 +75,20 @@ void LazyTree::list_evictable(kdtree::AtomicSlot& slot, const geometry::Aabb& ce
     const kdtree::FinishedSubtree& subtree = *now.finished();
     found.push_back({&slot, cell, depth, subtree.size_in_bytes(),
                      value_of(kFinishCost, kBytesOfReference, subtree.last_use)});
-  } else if (now.tag() == kdtree::Slot::Tag::kDeferred) {
+  } else if (now.is_deferred() && !now.is_expanding()) {
     const kdtree::DeferredCell& waiting = *now.cell();
-    if (!waiting.has_list || waiting.list.is_compact() || waiting.openable || waiting.failed ||
+    if (!waiting.has_list || waiting.list.is_compact() || waiting.openable ||
         waiting.list.size() < kFewestToEvict || is_wanted(waiting))
       return;
     found.push_back({&slot, cell, depth, waiting.list.bytes(),
                      value_of(kListCost, sizeof(kdtree::Reference), waiting.last_use)});
-  } else if (now.is_binary()) {
-    const geometry::HalvedCell halves = geometry::halve(cell, now.axis(), now.position());
-    kdtree::AtomicSlot* children = tree_.children(now);
-    list_evictable(children[0], halves.left, depth + 1, found);
-    list_evictable(children[1], halves.right, depth + 1, found);
+  } else if (now.is_node()) {
+    // A cell's own box is in its list; that of a finished one is its box in the node.
+    for (std::size_t i = 0; i < kdtree::kWidth; ++i) {
+      const geometry::Aabb box = now.node()->box(i);
+      const geometry::Vec3f& center = frame_->center;
+      list_evictable(now.node()->slot(i), {box.lo + center, box.hi + center}, depth + 1, found);
+    }
   }
 }
 
@@ -97,7 +99,7 @@ std::uint64_t LazyTree::evict(const Evictable& piece) {
   if (now.is_finished()) {
     before = now.finished()->size_in_bytes();
     cell = evicted_subtree(piece, *now.finished());
-  } else if (now.tag() == kdtree::Slot::Tag::kDeferred && !now.cell()->list.is_compact() &&
+  } else if (now.is_deferred() && !now.is_expanding() && !now.cell()->list.is_compact() &&
              now.cell()->has_list && !now.cell()->openable && now.cell()->list.size() > 0) {
     before = now.cell()->size_in_bytes();
     cell = with_compact_list(*now.cell());
@@ -196,7 +198,7 @@ bool LazyTree::has_capacity_for(std::uint64_t bytes) const {
 
 /// Lists that do not fit are not kept: the eviction of each would keep rays from growing the tree.
 void LazyTree::heed_capacity(Division& division) const {
-  if (!is_evictable() || division.cuts.empty()) return;
+  if (!is_evictable() || !division.is_cut) return;
   std::uint64_t bytes = 0;
   for (const NewCell& fresh : division.cells) bytes += fresh.part.list.bytes();
   division.compact = !has_capacity_for(bytes);

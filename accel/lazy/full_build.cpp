@@ -3,7 +3,6 @@
 #include <vector>
 
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_invoke.h>
 #include <tbb/parallel_reduce.h>
 
 #include "accel/grow/fork.h"
@@ -21,27 +20,22 @@ constexpr std::uint64_t kSerialBelow = 65536;
 
 struct Deferred {
   std::vector<kdtree::AtomicSlot*> slots;  ///< All with something to expand.
-  bool some_failed = false;                ///< There are others, for which there was no room.
   std::vector<kdtree::AtomicSlot*> evicted;
   std::uint64_t evicted_references = 0;
 };
 
-void collect_deferred(const kdtree::KdTree& tree, kdtree::AtomicSlot& slot, Deferred& found) {
+void collect_deferred(kdtree::AtomicSlot& slot, Deferred& found) {
   const kdtree::Slot now = kdtree::load(slot);
   if (now.is_deferred()) {
-    if (now.cell()->failed.load(std::memory_order_relaxed)) {
-      found.some_failed = true;
-    } else if (now.cell()->evicted) {
+    if (now.cell()->evicted) {
       found.evicted.push_back(&slot);
       found.evicted_references += now.cell()->size;
     } else {
       found.slots.push_back(&slot);
     }
   }
-  if (!now.is_binary()) return;
-  kdtree::AtomicSlot* children = tree.children(now);
-  collect_deferred(tree, children[0], found);
-  collect_deferred(tree, children[1], found);
+  if (!now.is_node()) return;
+  for (std::size_t i = 0; i < kdtree::kWidth; ++i) collect_deferred(now.node()->slot(i), found);
 }
 
 }  // namespace
@@ -56,15 +50,13 @@ void LazyTree::expand_all(kdtree::BuildCounters& counters, const std::atomic<boo
     const std::uint64_t evicted_before = evicted_.load(std::memory_order_acquire);
     {
       const kdtree::EpochPin pin;
-      collect_deferred(tree_, tree_.root(), deferred);
+      collect_deferred(tree_.root(), deferred);
     }
-    if (evicted_must_wait(deferred.evicted_references)) {
-      deferred.some_failed = true;
-    } else {
+    const bool some_wait = evicted_must_wait(deferred.evicted_references);
+    if (!some_wait) {
       deferred.slots.insert(deferred.slots.end(), deferred.evicted.begin(), deferred.evicted.end());
     }
-    if (deferred.slots.empty()) compile_top();
-    if (deferred.slots.empty() && !deferred.some_failed) {
+    if (deferred.slots.empty() && !some_wait) {
       complete_.store(true, std::memory_order_release);
       // Something may have gone since they were collected.
       if (evicted_.load(std::memory_order_acquire) != evicted_before) complete_.store(false);
@@ -95,7 +87,6 @@ LazyTree::Step LazyTree::step(kdtree::AtomicSlot& slot, kdtree::BuildCounters& c
   const kdtree::Slot now = kdtree::load(slot);
   if (!now.is_deferred()) return Step::kBuilt;
   kdtree::DeferredCell& cell = *now.cell();
-  if (cell.failed.load(std::memory_order_relaxed)) return Step::kFailed;
   if (cell.has_list && cell.weight <= kSerialBelow && budget() != 0 && holds_all(cell)) {
     mark_whole(slot, cell);
     return Step::kAgain;
@@ -120,7 +111,6 @@ void LazyTree::complete(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counter
     kdtree::DeferredCell* claimed = nullptr;
     const Step done = step(slot, counters, cancelled, claimed);
     if (done == Step::kBuilt) break;
-    if (done == Step::kFailed) return;
     if (done == Step::kClaimed) {
       try {  // no other thread retires a claimed cell
         complete_claimed(slot, *claimed, counters, cancelled);
@@ -133,12 +123,16 @@ void LazyTree::complete(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counter
     if (done == Step::kWait && !stall_detector.wait(0)) return;
   }
   const kdtree::Slot built = kdtree::load(slot);
-  if (!built.is_binary()) return;
-  kdtree::AtomicSlot* children = tree_.children(built);
-  kdtree::BuildCounters right;
-  tbb::parallel_invoke([&] { complete(children[0], counters, cancelled); },
-                       [&] { complete(children[1], right, cancelled); });
-  counters += right;
+  if (!built.is_node()) return;
+  counters += tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, kdtree::kWidth), kdtree::BuildCounters{},
+      [&](const tbb::blocked_range<std::size_t>& range, kdtree::BuildCounters sum) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i)
+          complete(built.node()->slot(i), sum, cancelled);
+        return sum;
+      },
+      [](kdtree::BuildCounters a, const kdtree::BuildCounters& b) { return a += b; },
+      tbb::simple_partitioner());
 }
 
 /// Whether a cancelled build has left the lists of its path, which take the room of others.
@@ -154,16 +148,16 @@ bool LazyTree::build_left_over(const kdtree::AtomicSlot* before, kdtree::BuildCo
                                const std::atomic<bool>* cancelled) {
   if (!lists_are_left_over() || !may_build_ahead()) return false;
   kdtree::AtomicSlot* first = nullptr;
-  kdtree::Slot was = kdtree::Slot::empty_leaf();
+  kdtree::Slot was;
   {
     const kdtree::EpochPin pin;
     Deferred deferred;
-    collect_deferred(tree_, tree_.root(), deferred);
+    collect_deferred(tree_.root(), deferred);
     const bool some_are_marked = tree_.left_over_bytes() > 0;
     for (kdtree::AtomicSlot* const slot : deferred.slots) {
       if (slot == before) return false;
       was = kdtree::load(*slot);
-      if (was.tag() != kdtree::Slot::Tag::kDeferred) continue;
+      if (!was.is_deferred() || was.is_expanding()) continue;
       const kdtree::DeferredCell& cell = *was.cell();
       if (some_are_marked ? cell.left_over : cell.size >= grow::kForkFrom) {
         first = slot;

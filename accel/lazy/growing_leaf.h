@@ -8,10 +8,7 @@
 #include <span>
 #include <utility>
 
-#include "accel/kdtree/traverse.h"
 #include "accel/lazy/cell_query.h"
-#include "accel/wide/float_rays.h"
-#include "accel/wide/lane_ray.h"
 #include "accel/wide/walk.h"
 
 namespace sightline::accel::lazy {
@@ -20,91 +17,37 @@ namespace sightline::accel::lazy {
 inline constexpr std::size_t kSearchStep = 1024;
 
 /// Leaf policy of wide::walk() for one packet in one tree. What is deferred is grown, or its list
-/// is searched by all rays together; binary slots are walked by each ray alone, in doubles.
+/// is searched by all rays together.
 ///
 /// `Content`: what the tree is over. It tests, for those of the rays that Packet::left() has:
 ///   void leaf(span<const uint32_t> references, uint32_t lanes)
 ///   void references(span<const Reference>, uint32_t lanes)  a part of a list
 ///   void everything(uint32_t lanes)                         the whole tree, which has no list yet
-///   void finished(const FinishedSubtree&, const LaneRay&, WalkCounters&)  for one ray
 template <class Content>
 class GrowingLeaf {
  public:
   /// All of these outlive it.
   GrowingLeaf(LazyTree& tree, wide::Packet& packet, CellQuery& query, kdtree::WalkCounters& walked,
               kdtree::BuildCounters& built, Content& content)
-      : tree_(tree),
-        packet_(packet),
-        query_(query),
-        walked_(walked),
-        built_(built),
-        content_(content) {}
+      : tree_(tree), packet_(packet), query_(query), built_(built), content_(content), walked_(walked) {}
 
-  /// Takes the rays through the tree: together, and those that are too far away for floats alone.
-  void walk(const wide::Prepared& prepared) {
-    if (prepared.live != 0) {
-      // A thread that has renewed its pin may not go on in nodes that are replaced meanwhile.
-      const wide::Child entry = tree_.entry();
-      const bool searched_before =
-          std::exchange(query_.searches_list, query_.searches_list || entry.is_node());
-      wide::walk(packet_, entry, prepared.live, wide::Leaf(*this), walked_);
-      query_.searches_list = searched_before;
-    }
-    each(prepared.slow, [&](std::size_t lane) { go_alone(tree_.root(), lane); });
+  /// Takes the rays through the tree.
+  void walk(std::uint32_t lanes) {
+    if (lanes != 0)
+      wide::walk(packet_, wide::Child::at(tree_.root()), lanes, wide::Leaf(*this), walked_);
   }
 
   /// See wide::Leaf.
   wide::Child enter(kdtree::AtomicSlot& slot, std::uint32_t lanes) {
     const kdtree::Slot now = kdtree::load(slot);
-    if (now.is_leaf()) {
-      std::uint32_t storage;
-      if (now.leaf_count() > 0) leaf(tree_.tree().leaf(now, storage), lanes);
-      return {};
-    }
-    if (now.is_deferred())
-      return enter_cell(slot, *now.cell(), lanes) ? wide::Child::slot(&slot) : wide::Child{};
-    if (now.is_finished()) return wide::Child::slot(&slot);
-    each(lanes, [&](std::size_t lane) { go_alone(slot, lane); });
-    return {};
+    if (now.is_deferred() && !enter_cell(slot, *now.cell(), lanes)) return {};
+    return wide::Child::at(slot);
+  }
+  void visit(std::span<const std::uint32_t> list, std::uint32_t lanes) {
+    in_steps(list, lanes, [&](auto part) { content_.leaf(part, lanes); });
   }
 
  private:
-  /// The visitor of kdtree::walk().
-  struct LaneVisit {
-    GrowingLeaf& of;
-    const wide::LaneRay& ray;
-    kdtree::WalkCounters& walked;
-
-    double limit() const { return ray.limit(); }
-    bool is_done() const { return of.packet_.left(lanes()) == 0; }
-    void leaf(std::span<const std::uint32_t> ids) { of.leaf(ids, lanes()); }
-    void finished(const kdtree::FinishedSubtree& subtree) {
-      subtree.last_use.use();
-      of.content_.finished(subtree, ray, walked);
-    }
-    bool deferred(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell) {
-      return of.enter_cell(slot, cell, lanes());
-    }
-    std::uint32_t lanes() const { return 1u << ray.lane(); }
-  };
-
-  template <class Visit>
-  void each(std::uint32_t lanes, const Visit& visit) {
-    for (lanes = packet_.left(lanes); lanes != 0; lanes = packet_.left(lanes & (lanes - 1)))
-      visit(static_cast<std::size_t>(std::countr_zero(lanes)));
-  }
-
-  void go_alone(kdtree::AtomicSlot& slot, std::size_t lane) {
-    const wide::LaneRay ray(packet_, lane, tree_.tree().bounds());
-    if (!ray.meets()) return;
-    kdtree::WalkCounters walked;
-    LaneVisit visit{*this, ray, walked};
-    kdtree::walk(tree_.tree(), ray.in_tree(), slot, walked, visit);
-    tree_.count_steps(walked.steps);
-    packet_.work[lane] += static_cast<std::uint32_t>(walked.steps);
-    walked_ += walked;
-  }
-
   /// True: the slot has changed.
   bool enter_cell(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell, std::uint32_t lanes) {
     const AtCell does =
@@ -129,7 +72,7 @@ class GrowingLeaf {
     if (!cell.has_list) {
       content_.everything(lanes);
     } else if (cell.list.is_compact()) {
-      leaf(cell.list.ids(), lanes);
+      visit(cell.list.ids(), lanes);
     } else {
       cell.list.any_part([&](std::span<const kdtree::Reference> refs) {
         in_steps(refs, lanes, [&](auto part) { content_.references(part, lanes); });
@@ -137,10 +80,6 @@ class GrowingLeaf {
       });
     }
     query_.searches_list = searched_before;
-  }
-
-  void leaf(std::span<const std::uint32_t> ids, std::uint32_t lanes) {
-    in_steps(ids, lanes, [&](auto part) { content_.leaf(part, lanes); });
   }
 
   /// While there are rays left.
@@ -158,9 +97,9 @@ class GrowingLeaf {
   LazyTree& tree_;
   wide::Packet& packet_;
   CellQuery& query_;
-  kdtree::WalkCounters& walked_;
   kdtree::BuildCounters& built_;
   Content& content_;
+  kdtree::WalkCounters& walked_;
 };
 
 }  // namespace sightline::accel::lazy

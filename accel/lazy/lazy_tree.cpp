@@ -2,13 +2,13 @@
 #include "accel/lazy/lazy_tree.h"
 
 #include <algorithm>
-#include <cmath>
+#include <cassert>
 #include <memory>
 #include <new>
 #include <utility>
 
 #include "accel/blocks/frame.h"
-#include "accel/grow/block_subtrees.h"
+#include "accel/grow/subtrees.h"
 #include "accel/grow/fork.h"
 #include "accel/grow/grow.h"
 #include "accel/grow/reference_budget.h"
@@ -17,6 +17,7 @@
 #include "accel/lazy/eviction.h"
 #include "accel/lazy/stall_detector.h"
 #include "accel/lazy/timed.h"
+#include "accel/wide/wide_tree.h"
 
 namespace sightline::accel::lazy {
 namespace {
@@ -45,16 +46,9 @@ std::optional<wide::Frame> frame_of(const geometry::Aabb& bounds) {
   return frame;
 }
 
-bool may_make_blocks(const split::SplitSearch& rule, const geometry::MeshView* mesh,
+bool may_make_blocks(const geometry::MeshView* mesh,
                      const geometry::Aabb& bounds) {
-  return rule.makes_blocks() && mesh != nullptr && frame_of(bounds);
-}
-
-/// A budget of references bounds what leaves hold, and with it the number of nodes; the rest is for
-/// small subtrees, which have none. Leaf blocks hold ids of their own.
-kdtree::KdTree::Capacity capacity_within(double budget, bool makes_blocks) {
-  const auto most = static_cast<std::size_t>(std::ceil(budget));
-  return {.pairs = most, .ids = makes_blocks ? 0 : most + most / 2};
+  return mesh != nullptr && frame_of(bounds);
 }
 
 }  // namespace
@@ -63,16 +57,14 @@ LazyTree::LazyTree(const geometry::Aabb& bounds, std::size_t primitive_count, sp
                    ReferenceSource source, const geometry::MeshView* mesh,
                    std::shared_ptr<kdtree::TreeMemory> memory)
     : tree_(bounds, primitive_count,
-            grow::root_path(rule->budget(may_make_blocks(*rule, mesh, bounds)), primitive_count),
+            grow::root_path(rule->budget(may_make_blocks(mesh, bounds)), primitive_count),
             std::move(memory)),
       rule_(std::move(rule)),
       source_(std::move(source)),
       primitive_count_(primitive_count),
       context_{rule_, source_, mesh, grow::depth_limit(*rule_, primitive_count)},
       frame_(frame_of(bounds)),
-      makes_blocks_(may_make_blocks(*rule_, mesh, bounds)) {
-  if (budget() > 0) tree_.set_capacity(capacity_within(budget(), makes_blocks()));
-}
+      makes_blocks_(may_make_blocks(mesh, bounds)) {}
 
 double LazyTree::budget() const { return rule_->budget(makes_blocks()); }
 
@@ -95,19 +87,13 @@ ExpandResult LazyTree::expand_now(kdtree::AtomicSlot& slot, WhenPending when_pen
   const kdtree::Slot now = kdtree::load(slot);
   if (!now.is_deferred()) return ExpandResult::kRetry;
   kdtree::DeferredCell& cell = *now.cell();
-  if (cell.failed.load(std::memory_order_relaxed)) return ExpandResult::kScanList;
   if (is_set(cancelled)) return ExpandResult::kScanList;
-  if (now.tag() == kdtree::Slot::Tag::kExpanding)
-    return wait_for_owner(slot, cell, when_pending, cancelled);
+  if (now.is_expanding()) return wait_for_owner(slot, cell, when_pending, cancelled);
   try {
     const bool whole = cell.whole || (makes_blocks() && !cell.has_list && is_eager(cell));
     return is_large(cell) && !whole ? expand_large(slot, cell, when_pending, counters, cancelled)
                                     : expand_claimed(slot, cell, counters, cancelled);
   } catch (const Cancelled&) {
-    return ExpandResult::kScanList;
-  } catch (const std::bad_alloc&) {
-    if (budget() != 0) throw;
-    cell.failed.store(true, std::memory_order_relaxed);
     return ExpandResult::kScanList;
   }
 }
@@ -139,7 +125,6 @@ bool LazyTree::claim(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell) {
 }
 
 void LazyTree::release_claim(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell) {
-  if (budget() == 0) cell.failed.store(true, std::memory_order_relaxed);
   slot.store(kdtree::Slot::deferred(&cell).bits(), std::memory_order_release);
 }
 
@@ -253,18 +238,12 @@ kdtree::Slot LazyTree::defer(NewCell now, bool compact) {
   return tree_.defer(std::move(cell));
 }
 
-kdtree::Slot LazyTree::make_slot(Division division, const kdtree::DeferredCell& cell) {
-  kdtree::KdTree::NewNodes nodes(tree_);
-  const kdtree::Slot made = make_unkept(division, cell);
-  nodes.keep();
-  return made;
+grow::GrowContext LazyTree::grow_context(const std::atomic<bool>* cancelled) {
+  return {tree_, *rule_, context_.mesh, frame_->center, context_.max_depth, cancelled};
 }
 
-kdtree::Slot LazyTree::make_unkept(Division& division, const kdtree::DeferredCell& cell) {
-  if (!division.cuts.empty()) {
-    tree_.reserve();
-    return make_slot(division, division.cuts[0]);
-  }
+kdtree::Slot LazyTree::make_slot(Division division, const kdtree::DeferredCell& cell) {
+  if (division.is_cut) return make_node(division);
   if (!division.cells.empty()) {
     const kdtree::Slot finer = defer(std::move(division.cells[0]));
     // Rays that have searched the cell have searched the finer one.
@@ -274,37 +253,36 @@ kdtree::Slot LazyTree::make_unkept(Division& division, const kdtree::DeferredCel
     return finer;
   }
   const kdtree::ReferenceList whole = cell.list.copy();
-  if (makes_blocks()) {
-    const grow::GrowContext context{tree_,   *rule_,  context_.mesh, context_.max_depth,
-                                    nullptr, center()};
-    grow::BlockSubtrees blocks(context);
-    return blocks.compile(blocks.finish(whole.all(), cell.box));
-  }
-  tree_.reserve();
-  const std::optional<kdtree::Slot> leaf = tree_.make_leaf(whole.all());
-  if (!leaf) throw std::bad_alloc();
-  return *leaf;
+  const grow::GrowContext context = grow_context(nullptr);
+  grow::Subtrees subtrees(context);
+  return subtrees.compile(subtrees.finish(whole.all(), cell.box));
 }
 
-kdtree::Slot LazyTree::make_slot(Division& division, const SplitTree::Node& node) {
-  const std::optional<std::uint32_t> pair = tree_.allocate_pair();
-  if (!pair) throw std::bad_alloc();
-  const kdtree::Slot slot = kdtree::Slot::binary(node.cut.plane, *pair);
-  const auto below = [&](const SplitTree::Child& child) {
-    return child.is_leaf ? defer(std::move(division.cells[child.index]), division.compact)
-                         : make_slot(division, division.cuts[child.index]);
-  };
-  kdtree::AtomicSlot* children = tree_.children(slot);
-  for (std::size_t i = 0; i < 2; ++i)
-    children[i].store(kdtree::Slot::empty_leaf().bits(), std::memory_order_relaxed);
+kdtree::Slot LazyTree::make_node(Division& division) {
+  assert(division.cells.size() <= kdtree::kWidth);
+  kdtree::WideNode* const node = tree_.make_node();
+  std::size_t children = 0;
   try {
-    children[0].store(below(node.left).bits(), std::memory_order_relaxed);
-    children[1].store(below(node.right).bits(), std::memory_order_relaxed);
+    for (NewCell& cell : division.cells) {
+      const geometry::Aabb box = cell.box;
+      const kdtree::Slot slot = defer(std::move(cell), division.compact);
+      if (!slot) continue;
+      node->set_box(children, box, frame_->center);
+      node->children[children++].store(slot.bits(), std::memory_order_relaxed);
+    }
   } catch (const std::bad_alloc&) {
-    tree_.discard(slot);
+    tree_.discard(kdtree::Slot::node(node));
     throw;
   }
-  return slot;
+  return kdtree::Slot::node(node);
+}
+
+std::optional<std::uint32_t> LazyTree::only() const {
+  const kdtree::Slot root = kdtree::load(tree_.root());
+  if (!root.is_finished()) return std::nullopt;
+  const kdtree::Slot leaf = static_cast<const wide::WideTree*>(root.finished())->root();
+  if (!leaf.is_list() || leaf.list().size() != 1) return std::nullopt;
+  return leaf.list().front();
 }
 
 }  // namespace sightline::accel::lazy

@@ -13,8 +13,8 @@
 #include "accel/lazy/demand.h"
 #include "accel/lazy/divide.h"
 #include "accel/lazy/eviction.h"
+#include "accel/grow/grow.h"
 #include "accel/wide/frame.h"
-#include "accel/wide/wide_node.h"
 
 namespace sightline::accel::lazy {
 
@@ -22,8 +22,8 @@ namespace sightline::accel::lazy {
 enum class ExpandResult : std::uint8_t {
   kRetry,     ///< The slot has changed: read it again.
   kPending,   ///< Other threads expand a large cell: ask again when they have made progress.
-  kScanList,  ///< Search the cell's list: another thread expands a small cell, there is no room in
-              ///< the memory of the trees, or the arrays of a tree without a budget are full.
+  kScanList,  ///< Search the cell's list: another thread expands a small cell, or there is no room
+              ///< in the memory of the trees.
 };
 
 /// What to do when other threads expand a large cell and no work is left to help with.
@@ -91,14 +91,13 @@ class LazyTree {
   /// Measures the progress of a busy slot's expansion: grows while threads work on it.
   static std::uint64_t progress(const kdtree::AtomicSlot& slot);
 
-  /// Expands all cells until only those without room are deferred, or until `cancelled` is set. Not
+  /// Expands all cells, or until `cancelled` is set. Not
   /// beyond TreeMemory::low_water(), and no evicted cells unless all of them fit below it.
   /// Parallel in the caller's arena. The caller is not pinned: a pin would keep the lists of all
   /// cells alive. Throws std::bad_alloc; a later call may succeed.
   void expand_all(kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled = nullptr);
 
-  /// Whether expand_all() has found nothing left to expand, not even cells without room. Then it
-  /// returns at once.
+  /// Whether expand_all() has found nothing left to expand. Then it returns at once.
   bool is_complete() const { return complete_.load(std::memory_order_acquire); }
 
   /// Appends what can be evicted: finished subtrees, and lists that can be made again. Pinned.
@@ -113,14 +112,10 @@ class LazyTree {
   /// sizes of the tree (wide::kLeastSize).
   const std::optional<wide::Frame>& frame() const { return frame_; }
 
-  /// Where walks of packets begin: at the root, or at wide nodes over it. Pinned.
-  wide::Child entry();
-  /// Rays have made this number of steps in nodes that are not wide. Compiles the nodes near the
-  /// root once that is kStepsPerNode times the number of all nodes.
-  void count_steps(std::uint64_t steps);
+  /// The reference of a tree that is one list of one; nothing for other trees. Pinned.
+  std::optional<std::uint32_t> only() const;
 
  private:
-  void compile_top();
   bool is_evictable() const;
   bool may_grow(const kdtree::DeferredCell& cell) const;
   bool may_build_ahead() const;
@@ -147,7 +142,7 @@ class LazyTree {
                                    const std::atomic<bool>* cancelled) const;
   bool is_eager(const kdtree::DeferredCell& cell) const;
   std::uint64_t cost_of_expanding(const kdtree::DeferredCell& cell) const;
-  const geometry::Vec3f* center() const { return makes_blocks_ ? &frame_->center : nullptr; }
+  grow::GrowContext grow_context(const std::atomic<bool>* cancelled);
   double budget() const;
   ExpandResult expand_now(kdtree::AtomicSlot& slot, WhenPending when_pending,
                           kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled);
@@ -161,12 +156,11 @@ class LazyTree {
   ExpandResult run_all_passes(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, CellTask& task,
                               kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled);
   kdtree::Slot make_slot(Division division, const kdtree::DeferredCell& cell);
-  kdtree::Slot make_unkept(Division& division, const kdtree::DeferredCell& cell);
-  kdtree::Slot make_slot(Division& division, const SplitTree::Node& node);
+  kdtree::Slot make_node(Division& division);
   kdtree::Slot defer(NewCell now, bool compact = false);
   void complete(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
                 const std::atomic<bool>* cancelled);
-  enum class Step : std::uint8_t { kBuilt, kAgain, kWait, kClaimed, kFailed };
+  enum class Step : std::uint8_t { kBuilt, kAgain, kWait, kClaimed };
   Step step(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
             const std::atomic<bool>* cancelled, kdtree::DeferredCell*& claimed);
   bool lists_are_left_over() const;
@@ -192,11 +186,9 @@ class LazyTree {
   DivideContext context_;
   std::optional<wide::Frame> frame_;
   bool makes_blocks_;
-  std::atomic<std::uint64_t> steps_{0};  ///< Since the top was compiled.
   std::atomic<std::uint64_t> rays_{0};   ///< See count_rays().
   enum class Known : std::uint8_t { kNot, kNo, kYes };
   mutable std::atomic<Known> overlapping_{Known::kNot};  ///< See is_overlapping().
-  std::atomic<bool> compiles_top_{false};
   std::atomic<bool> complete_{false};
   std::atomic<std::uint64_t> evicted_{0};  ///< Pieces, so far.
 };
@@ -204,10 +196,6 @@ class LazyTree {
 /// The subtree of a deferred cell of at most this weight is built at once: dividing it cell by cell
 /// would cost more work than it defers. In trees with leaf blocks that is grow::kBlockCell.
 inline constexpr std::size_t kEagerBelow = 64;
-
-/// Steps of rays for each node after which compiling the nodes near the root is worth its time. An
-/// assumption; the cost of compiling is amortised with any number.
-inline constexpr std::uint64_t kStepsPerNode = 8;
 
 /// A mesh of at most this number of triangles becomes leaf blocks at once.
 inline constexpr std::size_t kWholeMesh = 1000;

@@ -43,10 +43,10 @@ class SplitTree {
             const geometry::Aabb& box, const kdtree::CellPath& path, int levels, int max_depth,
             kdtree::BuildCounters& counters);
 
+  /// Nothing is split.
   bool empty() const { return nodes_.empty(); }
   /// References of the sample in all leaves, for each one of the sample: 1 or more.
   double duplication() const { return duplication_; }
-  std::span<const Node> nodes() const { return nodes_; }  ///< The first is the root.
   std::span<const Leaf> leaves() const { return leaves_; }
 
   /// Capacity of the buffer that divide() needs for a list of that length.

@@ -5,7 +5,7 @@
 #include <new>
 #include <utility>
 
-#include "accel/grow/block_subtrees.h"
+#include "accel/grow/subtrees.h"
 #include "accel/grow/grow.h"
 #include "accel/lazy/lazy_tree.h"
 #include "accel/lazy/opening.h"
@@ -59,7 +59,7 @@ std::uint64_t LazyTree::most_list_bytes() const { return kListBytes * primitive_
 /// nor if a large cell has a share of straddlers that those below will have.
 bool LazyTree::may_wait(const Division& division, const kdtree::DeferredCell& cell) const {
   constexpr std::uint64_t kLargePart = 8, kStraddleShare = 4;
-  if (budget() == 0 || division.cuts.empty()) return true;
+  if (budget() == 0 || !division.is_cut) return true;
   std::uint64_t size = 0, bytes = 0;
   for (const NewCell& fresh : division.cells) {
     size += fresh.part.list.size();
@@ -87,18 +87,14 @@ void LazyTree::complete_claimed(kdtree::AtomicSlot& slot, kdtree::DeferredCell& 
                                 kdtree::BuildCounters& counters,
                                 const std::atomic<bool>* cancelled) {
   try {
-    if (!makes_blocks()) tree_.reserve();
     bool openable = cell.openable;
     kdtree::ReferenceList list = whole_list(cell, openable, counters, cancelled);
     if (openable) list = open_all(source_, std::move(list), cell.box, counters);
     kdtree::CellPath path = cell.path;
     if (cell.has_list)
       path.list_capacity -= static_cast<double>(list.size());  // the cell's own waits
-    kdtree::KdTree::NewNodes nodes(tree_);
-    const grow::GrowContext context{tree_,     *rule_,  context_.mesh, context_.max_depth,
-                                    cancelled, center()};
-    const kdtree::Slot built = grow::grow(context, std::move(list), cell.box, path, counters);
-    nodes.keep();
+    const kdtree::Slot built =
+        grow::grow(grow_context(cancelled), std::move(list), cell.box, path, counters);
     publish(slot, cell, built, counters);
   } catch (const Cancelled&) {
     slot.store(kdtree::Slot::deferred(&cell).bits(), std::memory_order_release);

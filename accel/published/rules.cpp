@@ -35,9 +35,6 @@ class HuntSearch final : public Search<kd::HuntScan> {
   split::ChildPlanes child_planes(const geometry::Aabb& child) const override {
     return split::child_planes(child, builder().uniform_samples);
   }
-  std::optional<split::BoundRule> small_rule() const override {
-    return builder().clip ? std::nullopt : builder().bound_rule(split::kSmallList);
-  }
 };
 
 template <class Builder>
@@ -56,21 +53,12 @@ class ExactSearchRule final : public Search<kd::ExactBuilder> {
 
   bool clips(std::size_t, std::size_t) const override { return builder().clips(); }
   bool takes_runs() const override { return false; }
-  std::optional<kdtree::Slot> grow_subtree(const grow::GrowContext& context,
-                                           std::span<const kdtree::Reference> refs,
-                                           const geometry::Aabb& cell, const kdtree::CellPath& path,
-                                           kdtree::BuildCounters& counters) const override {
-    return builder().grow_subtree(context, refs, cell, path, counters);
-  }
 };
 
 class MinMaxSearch final : public Search<kd::MinMaxBuilder> {
  public:
   using Search::Search;
 
-  std::optional<split::BoundRule> small_rule() const override {
-    return builder().bound_rule(split::kSmallList);
-  }
 };
 
 split::SplitRule make(const split::ScanSplit& b) { return split::make_rule(b); }

@@ -7,14 +7,9 @@
 #include <span>
 
 #include "accel/kdtree/reference.h"
-#include "accel/kdtree/slot.h"
 #include "accel/split/child_scan.h"
 #include "accel/split/exhaustive_split.h"
 #include "accel/split/split_rule.h"
-
-namespace sightline::accel::grow {
-struct GrowContext;
-}
 
 namespace sightline::accel::split {
 
@@ -53,10 +48,6 @@ class SplitSearch {
   /// For rules that scan children: the planes of the first pass over a child's list.
   virtual ChildPlanes child_planes(const geometry::Aabb& /*child*/) const { return {}; }
 
-  /// The rule for all lists of at most kSmallList references, if `choose` always searches them
-  /// exhaustively and never clips. Such subtrees are grown in registers (grow/small_subtree.h).
-  virtual std::optional<BoundRule> small_rule() const { return std::nullopt; }
-
   /// Whether cells that are finished become leaf blocks (accel/blocks), which are faster and
   /// smaller than leaves of a kd-tree. Only in trees over meshes.
   virtual bool makes_blocks() const { return false; }
@@ -68,16 +59,6 @@ class SplitSearch {
   /// Depth at which cells become leaves, for a tree over that many references.
   virtual int depth_bound(std::size_t /*references*/) const {
     return std::numeric_limits<int>::max();
-  }
-
-  /// The subtree under a cell, for rules with a faster method than cell by cell; nothing for the
-  /// others. It must equal the tree that `choose` leads to.
-  virtual std::optional<kdtree::Slot> grow_subtree(const grow::GrowContext& /*context*/,
-                                                   std::span<const kdtree::Reference> /*refs*/,
-                                                   const geometry::Aabb& /*cell*/,
-                                                   const kdtree::CellPath& /*path*/,
-                                                   kdtree::BuildCounters& /*counters*/) const {
-    return std::nullopt;
   }
 };
 

@@ -69,8 +69,9 @@ class Group {
         if (!visit_node(*at.node(), at, lanes, top)) return;
       } else if (at.is_block()) {
         return visit_block(at.block(), lanes);
-      } else if (!enter_slot(at, lanes)) {
-        return;
+      } else {
+        at = enter(at, lanes, walked_.leaf);
+        if (!at) return read_limits();
       }
     }
   }
@@ -93,13 +94,13 @@ class Group {
     Counts::pick(lanes, before + Counts::set(work), before).store(packet_.work.data());
   }
 
-  HWY_INLINE bool visit_node(const WideNode& node, Child& at, std::uint32_t& lanes,
+  HWY_INLINE bool visit_node(const kdtree::WideNode& node, Child& at, std::uint32_t& lanes,
                              std::size_t& top) {
     walked_.counters.steps += static_cast<std::uint64_t>(std::popcount(lanes));
     count(lanes, 1);
     Boxes in;
     std::uint32_t met = boxes_.met(node, farthest_, in);
-    alignas(64) std::array<float, kWidth> t;
+    alignas(64) std::array<float, kdtree::kWidth> t;
     in.store(t.data());
     const std::size_t base = top;
     for (; met != 0; met &= met - 1) {
@@ -109,7 +110,7 @@ class Group {
       std::size_t k = top++;
       for (; kGoal != Goal::kAny && k > base && stack_[k - 1].t < t[i]; --k)
         stack_[k] = stack_[k - 1];
-      stack_[k] = {t[i], those, node.children[i]};
+      stack_[k] = {t[i], those, Child::at(node.children[i])};
     }
     if (top == base) return false;
     --top;
@@ -119,7 +120,7 @@ class Group {
   }
 
   /// The rays that meet one child.
-  HWY_INLINE std::uint32_t meeting(const WideNode& node, std::size_t i) const {
+  HWY_INLINE std::uint32_t meeting(const kdtree::WideNode& node, std::size_t i) const {
     const auto near = [&](std::size_t axis) {
       return mul_add(Floats::set(node.bounds[row_[axis]][i]), inverse_[axis], near_[axis]);
     };
@@ -142,17 +143,6 @@ class Group {
       return true;
     }
     return false;
-  }
-
-  bool enter_slot(Child& at, std::uint32_t lanes) {
-    const kdtree::Slot now = kdtree::load(*at.slot());
-    if (now.is_finished()) {
-      at = static_cast<const WideTree*>(now.finished())->enter();
-    } else {
-      at = walked_.leaf.enter(*at.slot(), lanes);
-      read_limits();
-    }
-    return static_cast<bool>(at);
   }
 
   void visit_block(const std::uint32_t* words, std::uint32_t lanes) {

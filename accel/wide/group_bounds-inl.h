@@ -64,19 +64,19 @@ class GroupBoxes {
   }
 
   /// The children that a ray may meet before t_out, and where the first one may enter.
-  HWY_INLINE std::uint32_t met(const WideNode& node, float t_out, Boxes& in) const {
+  HWY_INLINE std::uint32_t met(const kdtree::WideNode& node, float t_out, Boxes& in) const {
     in = max(max(near(node, 0), near(node, 1)), max(near(node, 2), t_in_));
     const Boxes out = min(min(far(node, 0), far(node, 1)), min(far(node, 2), Boxes::set(t_out)));
     return in <= out;
   }
 
  private:
-  HWY_INLINE Boxes near(const WideNode& node, std::size_t axis) const {
+  HWY_INLINE Boxes near(const kdtree::WideNode& node, std::size_t axis) const {
     const Boxes x =
         Boxes::load(node.bounds[row_[axis]].data()) - (backward_[axis] ? lo_[axis] : hi_[axis]);
     return min(x * least_[axis], x * greatest_[axis]);
   }
-  HWY_INLINE Boxes far(const WideNode& node, std::size_t axis) const {
+  HWY_INLINE Boxes far(const kdtree::WideNode& node, std::size_t axis) const {
     const Boxes x =
         Boxes::load(node.bounds[row_[axis] ^ 1].data()) - (backward_[axis] ? hi_[axis] : lo_[axis]);
     return max(x * least_[axis], x * greatest_[axis]);

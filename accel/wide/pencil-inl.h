@@ -52,7 +52,7 @@ class PencilBoxes {
   }
 
   /// The children that some ray may meet between two depths, and where they begin.
-  HWY_INLINE std::uint32_t met(const WideNode& node, float nearest, float farthest,
+  HWY_INLINE std::uint32_t met(const kdtree::WideNode& node, float nearest, float farthest,
                                Boxes& begin) const {
     const Boxes zero = Boxes::set(0);
     begin = max((Boxes::load(node.bounds[near_row_].data()) - main_at_) * sign_ - error_, zero);
@@ -63,7 +63,7 @@ class PencilBoxes {
 
  private:
   /// Those that lie neither wholly to one side nor to the other.
-  HWY_INLINE std::uint32_t beside(const WideNode& node, std::size_t k, const Boxes& begin,
+  HWY_INLINE std::uint32_t beside(const kdtree::WideNode& node, std::size_t k, const Boxes& begin,
                                   const Boxes& end) const {
     const Boxes lo = Boxes::load(node.bounds[row_[k]].data()) - at_more_[k],
                 hi = Boxes::load(node.bounds[row_[k] + 1].data()) - at_less_[k];
@@ -125,28 +125,27 @@ class Pencil {
         visit_block(at.block());
         return true;
       } else {
-        const kdtree::Slot now = kdtree::load(*at.slot());
-        if (now == kdtree::Slot::empty_leaf()) return true;
+        const kdtree::Slot now = kdtree::load(at.slot());
         if (!now.is_finished()) return false;
-        at = static_cast<const WideTree*>(now.finished())->enter();
+        at = Child::final(static_cast<const WideTree*>(now.finished())->enter());
       }
     }
   }
 
   /// Sets `next` to the nearest child that the pencil meets; false if there is none.
-  HWY_INLINE bool visit_node(const WideNode& node, Child& next, std::size_t& top) {
+  HWY_INLINE bool visit_node(const kdtree::WideNode& node, Child& next, std::size_t& top) {
     ++nodes_;
     Boxes begin;
     std::uint32_t met = boxes_.met(node, nearest_, farthest_, begin);
     if (met == 0) return false;
-    alignas(64) std::array<float, kWidth> depth;
+    alignas(64) std::array<float, kdtree::kWidth> depth;
     begin.store(depth.data());
     const std::size_t base = top;
     for (; met != 0; met &= met - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(met));
       std::size_t k = top++;
       for (; k > base && stack_[k - 1].depth < depth[i]; --k) stack_[k] = stack_[k - 1];
-      stack_[k] = {depth[i], node.children[i]};
+      stack_[k] = {depth[i], Child::at(node.children[i])};
     }
     next = stack_[--top].at;
     return true;

@@ -10,7 +10,7 @@
 #include "accel/wide/frame.h"
 #include "accel/wide/packet.h"
 #include "accel/wide/walk.h"
-#include "accel/wide/wide_node.h"
+#include "accel/wide/child.h"
 
 namespace sightline::accel::wide {
 

@@ -22,10 +22,10 @@ HWY_BEFORE_NAMESPACE();
 namespace sightline::accel::wide {
 namespace HWY_NAMESPACE {
 
-using Boxes = Lanes<float, kWidth>;
+using Boxes = Lanes<float, kdtree::kWidth>;
 
-/// What waits on the stack of a walk: a tree of slots above trees, both of at most kMostLevels.
-inline constexpr std::size_t kStack = 2 * kMostLevels * (kWidth - 1) + kWidth;
+/// What waits on the stack of a walk: a tree above finished subtrees, both of at most kMostLevels.
+inline constexpr std::size_t kStack = 2 * kdtree::kMostLevels * (kdtree::kWidth - 1) + kdtree::kWidth;
 
 /// Numbers of a column of vertices, one for each triangle.
 class Gather {
@@ -104,14 +104,15 @@ class Single {
         if (!visit_node(*at.node(), at, top)) return;
       } else if (at.is_block()) {
         return visit_block(at.block());
-      } else if (!enter_slot(at)) {
-        return;
+      } else {
+        at = enter(at, 1u << lane_, walked_.leaf);
+        if (!at) return;
       }
     }
   }
 
   /// Sets `next` to the nearest child that the ray meets; false if there is none.
-  HWY_INLINE bool visit_node(const WideNode& node, Child& next, std::size_t& top) {
+  HWY_INLINE bool visit_node(const kdtree::WideNode& node, Child& next, std::size_t& top) {
     ++nodes_;
     const auto near = [&](std::size_t axis) {
       return mul_add(Boxes::load(node.bounds[first_[axis]].data()), inverse_[axis], near_[axis]);
@@ -126,15 +127,15 @@ class Single {
     if (met == 0) return false;
     const auto first = static_cast<std::size_t>(std::countr_zero(met));
     met &= met - 1;
-    next = node.children[first];
+    next = Child::at(node.children[first]);
     if (met == 0) return true;
-    alignas(64) std::array<float, kWidth> t;
+    alignas(64) std::array<float, kdtree::kWidth> t;
     in.store(t.data());
     push_others(node, t, first, met, next, top);
     return true;
   }
 
-  HWY_INLINE void push_others(const WideNode& node, const std::array<float, kWidth>& t,
+  HWY_INLINE void push_others(const kdtree::WideNode& node, const std::array<float, kdtree::kWidth>& t,
                               std::size_t first, std::uint32_t others, Child& next,
                               std::size_t& top) {
     const std::size_t base = top;
@@ -143,8 +144,9 @@ class Single {
       const auto i = static_cast<std::size_t>(std::countr_zero(others));
       // Exchanged without a branch, which would be mispredicted half of the time.
       const std::uint64_t swap = t[i] < nearest ? ~std::uint64_t{0} : 0;
-      const std::uint64_t changed = (next.bits() ^ node.children[i].bits()) & swap;
-      const Waiting waiting{std::max(t[i], nearest), Child::of(node.children[i].bits() ^ changed)};
+      const std::uint64_t child = Child::at(node.children[i]).bits();
+      const std::uint64_t changed = (next.bits() ^ child) & swap;
+      const Waiting waiting{std::max(t[i], nearest), Child::of(child ^ changed)};
       next = Child::of(next.bits() ^ changed);
       nearest = std::min(t[i], nearest);
       std::size_t k = top++;
@@ -162,14 +164,6 @@ class Single {
     } while (stack_[top].t > limit);
     at = stack_[top].at;
     return true;
-  }
-
-  /// Sets `at` to what the slot leads to; false if there is nothing to go on with.
-  bool enter_slot(Child& at) {
-    const kdtree::Slot now = kdtree::load(*at.slot());
-    at = now.is_finished() ? static_cast<const WideTree*>(now.finished())->enter()
-                           : walked_.leaf.enter(*at.slot(), 1u << lane_);
-    return static_cast<bool>(at);
   }
 
   void visit_block(const std::uint32_t* words) {

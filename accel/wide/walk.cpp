@@ -89,12 +89,8 @@ std::uint32_t meeting(const Packet& packet, const geometry::Aabb& box, std::uint
 void walk(Packet& packet, Child root, std::uint32_t lanes, const Leaf& leaf,
           kdtree::WalkCounters& counters) {
   // Before the rays part into groups.
-  while (lanes != 0 && !root.is_node() && !root.is_block()) {
-    const kdtree::Slot now = kdtree::load(*root.slot());
-    root = now.is_finished() ? static_cast<const WideTree*>(now.finished())->enter()
-                             : leaf.enter(*root.slot(), lanes);
-    if (!root) return;
-  }
+  while (root && !root.is_node() && !root.is_block()) root = enter(root, lanes, leaf);
+  if (!root) return;
   HWY_DYNAMIC_DISPATCH(walk_packet)({packet, leaf, counters}, root, lanes);
 }
 

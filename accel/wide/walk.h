@@ -1,36 +1,49 @@
-// The walk of rays through wide trees and the slots below them.
+// The walk of rays through a tree.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
-#include "accel/kdtree/kd_tree.h"
 #include "accel/kdtree/walk_counters.h"
 #include "accel/wide/packet.h"
-#include "accel/wide/wide_node.h"
+#include "accel/wide/wide_tree.h"
+#include "accel/wide/child.h"
 
 namespace sightline::accel::wide {
 
-/// What a walk asks where it comes to a slot that is not finished. Refers to a policy with
+/// What a walk asks where it comes to something else than nodes and blocks. Refers to a policy with
 ///   Child enter(kdtree::AtomicSlot& slot, std::uint32_t lanes)
-/// which takes these rays through what lies below the slot, and returns where they go on together;
-/// nothing: nowhere. It may set Packet::stopped.
+///   void visit(std::span<const std::uint32_t> list, std::uint32_t lanes)
+/// The first takes these rays through what lies below a slot that is not finished, and returns
+/// where they go on together; nothing: nowhere. The second takes them to the references of a leaf.
+/// Both may set Packet::stopped.
 class Leaf {
  public:
   template <class Policy>
   explicit Leaf(Policy& policy)
-      : policy_(&policy), enter_([](void* of, kdtree::AtomicSlot& slot, std::uint32_t lanes) {
-          return static_cast<Policy*>(of)->enter(slot, lanes);
+      : policy_(&policy), enter_([](void* of, Child at, std::uint32_t lanes) {
+          Policy& asked = *static_cast<Policy*>(of);
+          if (!at.is_list()) return asked.enter(at.slot(), lanes);
+          asked.visit(at.list(), lanes);
+          return Child();
         }) {}
 
-  Child enter(kdtree::AtomicSlot& slot, std::uint32_t lanes) const {
-    return enter_(policy_, slot, lanes);
-  }
+  Child enter(Child at, std::uint32_t lanes) const { return enter_(policy_, at, lanes); }
 
  private:
   void* policy_;
-  Child (*enter_)(void* policy, kdtree::AtomicSlot& slot, std::uint32_t lanes);
+  Child (*enter_)(void* policy, Child at, std::uint32_t lanes);
 };
+
+/// Where rays go on from what is neither a node nor a block.
+inline Child enter(Child at, std::uint32_t lanes, const Leaf& leaf) {
+  if (!at.is_list()) {
+    const kdtree::Slot now = kdtree::load(at.slot());
+    if (now.is_finished())
+      return Child::final(static_cast<const WideTree*>(now.finished())->enter());
+  }
+  return leaf.enter(at, lanes);
+}
 
 /// What the walks of a packet share.
 struct Walked {

@@ -20,6 +20,9 @@ namespace sightline::accel::wide {
 namespace {
 
 using blocks::Node;
+using kdtree::kWidth;
+using kdtree::Slot;
+using kdtree::WideNode;
 
 constexpr std::size_t kTail = blocks::kBlockSlack;
 
@@ -110,7 +113,7 @@ class Collapse {
  public:
   explicit Collapse(const Node& root) {
     if (root.leaf()) {
-      words_ = words_of(root);
+      words_ = root.words;
     } else {
       add(root);
     }
@@ -120,17 +123,13 @@ class Collapse {
   std::size_t words() const { return words_; }
 
  private:
-  static std::size_t words_of(const Node& node) {
-    return node.words == Node::kOther ? 0 : node.words;
-  }
-
   std::uint32_t add(const Node& node) {
     const std::size_t at = nodes_.size();
     nodes_.push_back({Children(node).nodes()});
     for (std::size_t i = 0; i < kWidth; ++i) {
       const Node* child = nodes_[at].children[i];
       if (child == nullptr) break;
-      words_ += words_of(*child);
+      words_ += child->words;
       if (child->leaf()) continue;
       const std::uint32_t index = add(*child);
       nodes_[at].index[i] = index;
@@ -152,77 +151,66 @@ std::byte* allocate(std::size_t bytes) {
   return static_cast<std::byte*>(memory);
 }
 
-/// The children that are leaves. Copies blocks one behind the other, unless there is no memory for
+/// The slots of leaves. Copies their words one behind the other, unless there is no memory for
 /// copies.
 class Leaves {
  public:
-  explicit Leaves(std::uint32_t* copies) : next_(copies) {}
+  Leaves(LeafKind kind, std::uint32_t* copies) : kind_(kind), next_(copies) {}
 
-  Child child(const Node& leaf) {
-    if (leaf.words == Node::kOther) return Child::of(leaf.other);
-    if (next_ == nullptr) return Child::block(leaf.block);
-    std::uint32_t* to = next_;
-    std::memcpy(to, leaf.block, leaf.words * sizeof(std::uint32_t));
-    next_ += leaf.words;
-    return Child::block(to);
+  Slot slot(const Node& leaf) {
+    const std::uint32_t* words = leaf.leaf_words;
+    if (next_ != nullptr) {
+      std::memcpy(next_, words, leaf.words * sizeof(std::uint32_t));
+      words = std::exchange(next_, next_ + leaf.words);
+    }
+    return kind_ == LeafKind::kLists ? Slot::list(words) : Slot::block(words);
   }
 
  private:
+  const LeafKind kind_;
   std::uint32_t* next_;
 };
 
-/// Exact: the bounds of the tree are within a factor of two of the center, or that is 0.
-void set_box(WideNode& node, std::size_t i, const geometry::Aabb& box,
-             const geometry::Vec3f& center) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    node.bounds[2 * axis][i] = blocks::relative(box.lo[axis], center[axis]);
-    node.bounds[2 * axis + 1][i] = blocks::relative(box.hi[axis], center[axis]);
-  }
-}
-
-void set_no_box(WideNode& node, std::size_t i) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    node.bounds[2 * axis][i] = std::numeric_limits<float>::infinity();
-    node.bounds[2 * axis + 1][i] = -std::numeric_limits<float>::infinity();
-  }
-}
-
-/// Calls visit(block) for every block below.
+/// Calls visit(leaf) for every leaf below.
 template <class Visit>
-void each_block(Child at, const Visit& visit) {
-  if (at.is_block()) return visit(blocks::Block(at.block()));
-  for (const Child child : at.node()->children) {
-    if (child) each_block(child, visit);
-  }
+void each_leaf(Slot at, const Visit& visit) {
+  if (!at) return;
+  if (!at.is_node()) return visit(at);
+  for (const kdtree::AtomicSlot& child : at.node()->children) each_leaf(kdtree::load(child), visit);
 }
 
-double half_area(const WideNode& node, std::size_t i) {
-  std::array<double, 3> size;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    size[axis] = static_cast<double>(node.bounds[2 * axis + 1][i]) -
-                 static_cast<double>(node.bounds[2 * axis][i]);
+std::size_t size_of(Slot leaf) {
+  return leaf.is_list() ? leaf.list().size() : blocks::Block(leaf.words()).triangles;
+}
+
+/// Calls visit(id) for every reference of a leaf.
+template <class Visit>
+void each_id(Slot leaf, const Visit& visit) {
+  if (leaf.is_list()) {
+    for (const std::uint32_t id : leaf.list()) visit(id);
+    return;
   }
-  return size[0] * size[1] + size[1] * size[2] + size[2] * size[0];
+  const blocks::Block block(leaf.words());
+  for (std::size_t i = 0; i < block.triangles; ++i) visit(block.id(i));
 }
 
 /// `share`: of the random lines that meet the tree's bounds, those that meet this box.
-void measure_below(Child at, double share, double root_area, int depth, kdtree::TreeMetrics& m) {
+void measure_below(Slot at, double share, double root_area, int depth, kdtree::TreeMetrics& m) {
+  if (!at) return;
   ++m.nodes;
-  if (at.is_block()) {
-    const std::size_t triangles = blocks::Block(at.block()).triangles;
+  if (!at.is_node()) {
     ++m.leaves;
     ++m.nonempty_leaves;
-    m.references += triangles;
+    m.references += size_of(at);
     m.max_depth = std::max(m.max_depth, depth);
     m.expected_leaves += share;
-    m.expected_intersections += share * static_cast<double>(triangles);
+    m.expected_intersections += share * static_cast<double>(size_of(at));
     return;
   }
   m.expected_traversals += share;
-  const WideNode& node = *at.node();
-  for (std::size_t i = 0; i < kWidth && node.children[i]; ++i) {
-    const double part = root_area > 0 ? half_area(node, i) / root_area : 1;
-    measure_below(node.children[i], part, root_area, depth + 1, m);
+  for (std::size_t i = 0; i < kWidth; ++i) {
+    const double part = root_area > 0 ? half_area(at.node()->box(i)) / root_area : 1;
+    measure_below(at.node()->child(i), part, root_area, depth + 1, m);
   }
 }
 
@@ -230,16 +218,16 @@ void measure_below(Child at, double share, double root_area, int depth, kdtree::
 
 void WideTree::Free::operator()(std::byte* memory) const { std::free(memory); }
 
-WideTree::WideTree(const Node& root, const geometry::Vec3f& center)
-    : WideTree(root, center, blocks::Chunks(0), true) {}
+WideTree::WideTree(const Node& root, const geometry::Vec3f& center, LeafKind kind)
+    : WideTree(root, center, kind, blocks::Chunks(0), true) {}
 
 WideTree::WideTree(const Node& root, const geometry::Vec3f& center, blocks::Chunks words)
-    : WideTree(root, center, std::move(words), false) {}
+    : WideTree(root, center, LeafKind::kBlocks, std::move(words), false) {}
 
-WideTree::WideTree(const Node& root, const geometry::Vec3f& center, blocks::Chunks words,
-                   bool copies)
+WideTree::WideTree(const Node& root, const geometry::Vec3f& center, LeafKind kind,
+                   blocks::Chunks words, bool copies)
     : center_(center), box_(root.box), words_(std::move(words)) {
-  assert(root.levels <= kMostLevels);
+  assert(root.levels <= kdtree::kMostLevels);
   const Collapse collapse(root);
   node_count_ = collapse.nodes().size();
   const std::size_t copied = copies ? collapse.words() * sizeof(std::uint32_t) + kTail : 0;
@@ -247,24 +235,20 @@ WideTree::WideTree(const Node& root, const geometry::Vec3f& center, blocks::Chun
   memory_.reset(allocate(bytes_));
   auto* nodes = reinterpret_cast<WideNode*>(memory_.get());
   if (copies) std::memset(memory_.get() + bytes_ - kTail, 0, kTail);
-  Leaves leaves(copies ? reinterpret_cast<std::uint32_t*>(nodes + node_count_) : nullptr);
+  Leaves leaves(kind, copies ? reinterpret_cast<std::uint32_t*>(nodes + node_count_) : nullptr);
   if (root.leaf()) {
-    root_ = leaves.child(root);
+    root_ = leaves.slot(root);
     return;
   }
-  root_ = Child::node(nodes);
+  root_ = Slot::node(nodes);
   for (std::size_t at = 0; at < node_count_; ++at) {
     const Collapsed& from = collapse.nodes()[at];
     auto* node = new (nodes + at) WideNode;
-    for (std::size_t i = 0; i < kWidth; ++i) {
-      const Node* child = from.children[i];
-      if (child == nullptr) {
-        set_no_box(*node, i);
-        node->children[i] = Child{};
-        continue;
-      }
-      set_box(*node, i, child->box, center);
-      node->children[i] = child->leaf() ? leaves.child(*child) : Child::node(nodes + from.index[i]);
+    for (std::size_t i = 0; i < kWidth && from.children[i] != nullptr; ++i) {
+      const Node& child = *from.children[i];
+      node->set_box(i, child.box, center);
+      const Slot below = child.leaf() ? leaves.slot(child) : Slot::node(nodes + from.index[i]);
+      node->children[i].store(below.bits(), std::memory_order_relaxed);
     }
   }
 }
@@ -273,9 +257,7 @@ std::uint64_t WideTree::size_in_bytes() const { return sizeof(*this) + bytes_ + 
 
 std::vector<std::uint32_t> WideTree::ids() const {
   std::vector<std::uint32_t> ids;
-  each_block(root_, [&](const blocks::Block& block) {
-    for (std::size_t i = 0; i < block.triangles; ++i) ids.push_back(block.id(i));
-  });
+  each_leaf(root_, [&](Slot leaf) { each_id(leaf, [&](std::uint32_t id) { ids.push_back(id); }); });
   return ids;
 }
 
@@ -283,25 +265,22 @@ void WideTree::measure(double root_area, int depth, kdtree::TreeMetrics& metrics
   double share = 1;
   if (root_.is_node() && root_area > 0) {
     geometry::Aabb box;
-    for (std::size_t i = 0; i < kWidth && root_.node()->children[i]; ++i) {
-      const auto& b = root_.node()->bounds;
-      box.grow(geometry::Aabb{{b[0][i], b[2][i], b[4][i]}, {b[1][i], b[3][i], b[5][i]}});
-    }
-    share = geometry::half_area(box) / root_area;
+    for (std::size_t i = 0; i < kWidth && root_.node()->child(i); ++i)
+      box.grow(root_.node()->box(i));
+    share = half_area(box) / root_area;
   }
   measure_below(root_, share, root_area, depth, metrics);
 }
 
 void WideTree::measure_growth(std::vector<bool>& seen, kdtree::GrowthMetrics& growth) const {
   growth.cells_built += node_count_;
-  each_block(root_, [&](const blocks::Block& block) {
+  each_leaf(root_, [&](Slot leaf) {
     ++growth.cells_built;
-    for (std::size_t i = 0; i < block.triangles; ++i) {
-      const std::uint32_t id = block.id(i);
-      if (seen[id]) continue;
+    each_id(leaf, [&](std::uint32_t id) {
+      if (seen[id]) return;
       seen[id] = true;
       ++growth.references_built;
-    }
+    });
   });
 }
 

@@ -10,23 +10,27 @@
 #include "accel/blocks/hierarchy.h"
 #include "accel/geometry/aabb.h"
 #include "accel/kdtree/finished_subtree.h"
-#include "accel/wide/wide_node.h"
+#include "accel/kdtree/wide_node.h"
 
 namespace sightline::accel::wide {
+
+/// What the leaves of a subtree are.
+enum class LeafKind : std::uint8_t { kBlocks, kLists };
 
 /// Never changes but for its last use. Threads: any.
 class WideTree final : public kdtree::FinishedSubtree {
  public:
-  /// Compiles a hierarchy of at most kMostLevels levels, whose blocks are relative to `center`;
-  /// other leaves are words of a Child. The largest child is opened until a node is full (Wald et
-  /// al. 2008). Throws std::bad_alloc.
-  WideTree(const blocks::Node& root, const geometry::Vec3f& center);
+  /// Compiles a hierarchy of at most kdtree::kMostLevels levels; blocks are relative to `center`.
+  /// The largest child is opened until a node is full (Wald et al. 2008). Throws std::bad_alloc.
+  WideTree(const blocks::Node& root, const geometry::Vec3f& center,
+           LeafKind kind = LeafKind::kBlocks);
   /// As above, and keeps the blocks where they are: `words` owns their memory.
   WideTree(const blocks::Node& root, const geometry::Vec3f& center, blocks::Chunks words);
 
-  Child root() const { return root_; }
+  /// A node, a block or a list.
+  kdtree::Slot root() const { return root_; }
   /// As root(), for a ray that comes from the slot.
-  Child enter() const {
+  kdtree::Slot enter() const {
     last_use.use();
     return root_;
   }
@@ -43,15 +47,15 @@ class WideTree final : public kdtree::FinishedSubtree {
   struct Free {
     void operator()(std::byte* memory) const;
   };
-  WideTree(const blocks::Node& root, const geometry::Vec3f& center, blocks::Chunks words,
-           bool copies);
+  WideTree(const blocks::Node& root, const geometry::Vec3f& center, LeafKind kind,
+           blocks::Chunks words, bool copies);
 
   geometry::Vec3f center_;
   geometry::Aabb box_;
   std::size_t node_count_ = 0, bytes_ = 0;
-  std::unique_ptr<std::byte, Free> memory_;  ///< The nodes, then blocks that were copied.
+  std::unique_ptr<std::byte, Free> memory_;  ///< The nodes, then leaves that were copied.
   blocks::Chunks words_;                     ///< Blocks that were kept.
-  Child root_{};
+  kdtree::Slot root_;
 };
 
 }  // namespace sightline::accel::wide

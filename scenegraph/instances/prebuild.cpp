@@ -5,57 +5,73 @@
 
 #include "accel/kdtree/epoch.h"
 #include "accel/lazy/lazy_tree.h"
+#include "accel/wide/wide_tree.h"
 
 namespace sightline::scenegraph::instances {
 namespace {
 
 using accel::geometry::Aabb;
 using accel::kdtree::Slot;
+using accel::kdtree::WideNode;
 
 /// Leaves visited under one epoch pin.
 constexpr std::size_t kLeavesPerPin = 256;
 
-struct Cell {
-  Slot slot;
-  Aabb box;
-};
+/// Calls visit(box) for the leaves at and below a slot; boxes are minus the tree's center.
+template <class Visit>
+void each_leaf(Slot slot, const Aabb& box, const Visit& visit) {
+  if (!slot || slot.is_deferred()) return;
+  if (slot.is_finished()) {
+    slot = static_cast<const accel::wide::WideTree*>(slot.finished())->root();
+  }
+  if (!slot.is_node()) return visit(box);
+  for (std::size_t i = 0; i < accel::kdtree::kWidth; ++i)
+    each_leaf(slot.node()->child(i), slot.node()->box(i), visit);
+}
 
-/// The middles of the non-empty leaves, in scene coordinates.
+/// The middles of the leaves, in scene coordinates.
 std::vector<accel::geometry::Vec3d> built_points(const Instances& grown) {
   const accel::kdtree::EpochPin pin;
-  const accel::kdtree::KdTree& tree = grown.tree().tree();
+  const accel::lazy::LazyTree& tree = grown.tree();
   std::vector<accel::geometry::Vec3d> points;
-  std::vector<Cell> waiting{{accel::kdtree::load(tree.root()), tree.bounds()}};
-  while (!waiting.empty()) {
-    const auto [slot, box] = waiting.back();
-    waiting.pop_back();
-    if (slot.is_binary()) {
-      const accel::geometry::HalvedCell halves =
-          accel::geometry::halve(box, slot.axis(), slot.position());
-      waiting.push_back({accel::kdtree::load(tree.children(slot)[0]), halves.left});
-      waiting.push_back({accel::kdtree::load(tree.children(slot)[1]), halves.right});
-    } else if (!slot.is_deferred() && slot.leaf_count() > 0) {
-      points.push_back((accel::geometry::Vec3d(box.lo) + accel::geometry::Vec3d(box.hi)) * 0.5 +
-                       grown.center());
-    }
-  }
+  if (!tree.frame()) return points;
+  const accel::geometry::Vec3d center =
+      accel::geometry::Vec3d(tree.frame()->center) + grown.center();
+  each_leaf(accel::kdtree::load(tree.tree().root()), tree.frame()->bounds, [&](const Aabb& box) {
+    points.push_back((accel::geometry::Vec3d(box.lo) + accel::geometry::Vec3d(box.hi)) * 0.5 +
+                     center);
+  });
   return points;
 }
 
+bool holds(const Aabb& box, const accel::geometry::Vec3d& point) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (point[a] < static_cast<double>(box.lo[a]) || point[a] > static_cast<double>(box.hi[a]))
+      return false;
+  }
+  return true;
+}
+
+/// The child whose box holds a point; null if none does.
+accel::kdtree::AtomicSlot* child_at(const WideNode& node, const accel::geometry::Vec3d& point) {
+  for (std::size_t i = 0; i < accel::kdtree::kWidth; ++i) {
+    if (node.child(i) && holds(node.box(i), point)) return &node.slot(i);
+  }
+  return nullptr;
+}
+
+/// Expands the cells that hold a point, which is minus the tree's center.
 void grow_at(accel::lazy::LazyTree& tree, const accel::geometry::Vec3d& point) {
   accel::kdtree::BuildCounters built;
-  for (accel::kdtree::AtomicSlot* at = &tree.root();;) {
+  for (accel::kdtree::AtomicSlot* at = &tree.root(); at != nullptr;) {
     const Slot slot = accel::kdtree::load(*at);
     if (slot.is_deferred()) {
-      if (tree.expand(*at, accel::lazy::WhenPending::kWait, built) ==
+      if (tree.expand(*at, accel::lazy::WhenPending::kWait, built) !=
           accel::lazy::ExpandResult::kRetry)
-        continue;
-      return;
+        return;
+    } else {
+      at = slot.is_node() ? child_at(*slot.node(), point) : nullptr;
     }
-    if (!slot.is_binary()) return;
-    const bool right =
-        point[static_cast<std::size_t>(slot.axis())] >= static_cast<double>(slot.position());
-    at = &tree.tree().children(slot)[right ? 1u : 0u];
   }
 }
 
@@ -63,10 +79,13 @@ void grow_at(accel::lazy::LazyTree& tree, const accel::geometry::Vec3d& point) {
 
 void prebuild_like(const Instances& grown, const Instances& fresh) {
   const std::vector<accel::geometry::Vec3d> points = built_points(grown);
+  if (!fresh.tree().frame()) return;
+  const accel::geometry::Vec3d center =
+      accel::geometry::Vec3d(fresh.tree().frame()->center) + fresh.center();
   for (std::size_t first = 0; first < points.size(); first += kLeavesPerPin) {
     const accel::kdtree::EpochPin pin;
     for (std::size_t i = first; i < std::min(first + kLeavesPerPin, points.size()); ++i)
-      grow_at(fresh.tree(), points[i] - fresh.center());
+      grow_at(fresh.tree(), points[i] - center);
   }
 }
 

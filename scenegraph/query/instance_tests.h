@@ -73,9 +73,6 @@ class Caster::InstanceTests {
 
   void everything(std::uint32_t lanes) { references(tree_.coarsest(), lanes); }
 
-  static void finished(const accel::kdtree::FinishedSubtree&, const accel::wide::LaneRay&,
-                       accel::kdtree::WalkCounters&) {}
-
  private:
   /// For rays that may meet its box. Opens groups.
   void visit(const accel::kdtree::Reference& ref, std::uint32_t lanes) {

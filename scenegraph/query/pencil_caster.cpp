@@ -22,8 +22,7 @@ const instances::Instance* find_only(const instances::OpenTrees& trees,
   const instances::OpenTree& holder = *std::ranges::find_if(
       trees.all(), [](const auto& tree) { return tree.instances.size() == 1; });
   const instances::Instances& tree = holder.instances;
-  const accel::kdtree::Slot root = accel::kdtree::load(tree.tree().root());
-  if (!root.is_leaf() || root.leaf_count() != 1) return nullptr;
+  if (!tree.tree().only()) return nullptr;
   return is_seen(holder, 0, options.selection) ? &tree[0] : nullptr;
 }
 

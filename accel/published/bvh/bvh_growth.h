@@ -7,7 +7,7 @@
 #include <span>
 
 #include "accel/kdtree/reference.h"
-#include "accel/kdtree/reserved_array.h"
+#include "accel/published/bvh/reserved_array.h"
 #include "accel/published/bvh/bvh.h"
 
 namespace sightline::accel::published::bvh {
@@ -52,8 +52,8 @@ class BvhGrowth {
   Bvh finish(const BvhChild& root) const;
 
  private:
-  kdtree::ReservedArray<BvhNode> nodes_;
-  kdtree::ReservedArray<std::uint32_t> ids_;
+  ReservedArray<BvhNode> nodes_;
+  ReservedArray<std::uint32_t> ids_;
   bool repeats_;
   std::atomic<std::size_t> nodes_used_{0}, ids_used_{0};
 };

@@ -54,13 +54,6 @@ struct ExactBuilder {
 
   bool clips() const { return clip; }
 
-  /// kSweep: the subtree under a cell, from one sorted list of events. Nothing for other searches,
-  /// or for more than Event::kMaxReferences references. See `grow` in grow.h.
-  std::optional<kdtree::Slot> grow_subtree(const grow::GrowContext& context,
-                                           std::span<const kdtree::Reference> refs,
-                                           const geometry::Aabb& cell, const kdtree::CellPath& path,
-                                           kdtree::BuildCounters& counters) const;
-
   /// The split to make in a cell of this weight, given its best candidate; nothing for a leaf.
   std::optional<kdtree::Split> decide(const Candidate& best, std::uint32_t weight,
                                       std::size_t references, const kdtree::CellPath& path) const;

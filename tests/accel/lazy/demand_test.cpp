@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "accel/grow/block_subtrees.h"
+#include "accel/grow/subtrees.h"
 #include "accel/lazy/demand_costs.h"
 #include "tests/accel/stability/asked_tree.h"
 #include "tests/support/hard_rays.h"

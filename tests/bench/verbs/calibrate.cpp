@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "accel/grow/block_subtrees.h"
+#include "accel/grow/subtrees.h"
 #include "accel/kdtree/box_filter.h"
 #include "accel/lazy/lazy_tree.h"
 #include "accel/mesh/face_boxes.h"

@@ -10,7 +10,7 @@
 #include <new>
 #include <utility>
 
-namespace sightline::accel::kdtree {
+namespace sightline::accel::published::bvh {
 
 /// Reserves `capacity` trivial objects, uninitialised. A large array is address space only; the
 /// kernel adds memory page by page on first use. Throws std::bad_alloc.
@@ -60,4 +60,4 @@ class ReservedArray {
   std::size_t capacity_ = 0;
 };
 
-}  // namespace sightline::accel::kdtree
+}  // namespace sightline::accel::published::bvh

@@ -1,0 +1,52 @@
+// A node: up to eight children, their boxes in columns.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <limits>
+
+#include "accel/geometry/aabb.h"
+#include "accel/kdtree/slot.h"
+
+namespace sightline::accel::kdtree {
+
+inline constexpr std::size_t kWidth = 8;
+
+/// Boxes are minus the center of their tree (blocks::frame_center). The box of a child that does
+/// not exist begins at +inf and ends at -inf, so that no ray meets it. Children that exist come
+/// first. The boxes never change once other threads see the node; children that are not finished
+/// do.
+struct alignas(64) WideNode {
+  WideNode() {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      bounds[2 * axis].fill(std::numeric_limits<float>::infinity());
+      bounds[2 * axis + 1].fill(-std::numeric_limits<float>::infinity());
+    }
+  }
+
+  /// By axis: the lower bounds of all children, then the upper ones.
+  std::array<std::array<float, kWidth>, 6> bounds;
+  std::array<AtomicSlot, kWidth> children{};
+
+  Slot child(std::size_t i) const { return load(children[i]); }
+  /// For threads that replace what it holds.
+  AtomicSlot& slot(std::size_t i) const { return const_cast<AtomicSlot&>(children[i]); }
+  geometry::Aabb box(std::size_t i) const {
+    return {{bounds[0][i], bounds[2][i], bounds[4][i]}, {bounds[1][i], bounds[3][i], bounds[5][i]}};
+  }
+  /// `box` is in the tree's coordinates, within its bounds: the differences are exact.
+  void set_box(std::size_t i, const geometry::Aabb& box, const geometry::Vec3f& center) {
+    const auto relative = [](float v, float c) { return c == 0 ? v : v - c; };  // keeps denormals
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      bounds[2 * axis][i] = relative(box.lo[axis], center[axis]);
+      bounds[2 * axis + 1][i] = relative(box.hi[axis], center[axis]);
+    }
+  }
+};
+static_assert(sizeof(WideNode) == 256);
+
+/// Most nodes on a path, in a tree and again in each subtree below; more would be too many for the
+/// stack of a walk.
+inline constexpr std::size_t kMostLevels = 128;
+
+}  // namespace sightline::accel::kdtree
