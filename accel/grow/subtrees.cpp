@@ -93,6 +93,7 @@ kdtree::Slot Subtrees::slot_of(const Grown& grown) {
 kdtree::Slot Subtrees::compile(const Grown& all) {
   // Copies of smaller hierarchies take no space that is not used.
   constexpr std::size_t kLarge = std::size_t{1} << 14;
+  if (all.is_empty()) return kdtree::Slot::empty_list();
   kdtree::Slot slot;
   if (all.node == nullptr || !builder_ || arena_.bytes_of_words() < kLarge) {
     slot = slot_of(all);

@@ -39,7 +39,6 @@ KdTree::KdTree(const geometry::Aabb& bounds, std::size_t references, const CellP
                std::shared_ptr<TreeMemory> memory)
     : bounds_(bounds), free_soon_from_(references * kRetiredBytesPerReference) {
   lists_->memory = std::move(memory);
-  if (references == 0) return;
   auto root = std::make_unique<DeferredCell>();
   root->box = bounds;
   root->path = path;
@@ -64,7 +63,7 @@ void KdTree::use_nodes(std::int64_t nodes) {
 }
 
 Slot KdTree::defer(std::unique_ptr<DeferredCell> cell) {
-  if (cell->size == 0) return Slot();
+  if (cell->size == 0) return Slot::empty_list();
   cell->account = lists_;
   count_waiting(*cell, *lists_, true);
   update_peak();

@@ -21,7 +21,7 @@ inline constexpr int kMaxTreeDepth = 80;
 /// any time.
 class KdTree {
  public:
-  /// A tree of one deferred cell whose list is not made; an empty one if there are no references.
+  /// A tree of one deferred cell whose list is not made; of an empty list if there are no references.
   /// `memory`: counts its bytes with those of other trees; null: they are not counted.
   KdTree(const geometry::Aabb& bounds, std::size_t references, const CellPath& path = {},
          std::shared_ptr<TreeMemory> memory = nullptr);
@@ -37,7 +37,7 @@ class KdTree {
   /// discard() frees it. Throws std::bad_alloc. Threads: any.
   WideNode* make_node();
 
-  /// A deferred slot whose list is made; an empty one if the list is empty. Threads: any.
+  /// A deferred slot whose list is made; an empty list if there is nothing in it. Threads: any.
   Slot defer(std::unique_ptr<DeferredCell> cell);
   /// As above, for what a cancelled build leaves (DeferredCell::left_over).
   Slot leave_over(ReferenceList list, const geometry::Aabb& box, const CellPath& path);

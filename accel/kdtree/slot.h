@@ -31,6 +31,10 @@ class Slot {
   static Slot node(const WideNode* node) { return of(node, kNode); }
   static Slot block(const std::uint32_t* words) { return of(words, kBlock); }
   static Slot list(const std::uint32_t* words) { return of(words, kList); }
+  static Slot empty_list() {
+    static constexpr std::uint32_t kNone = 0;
+    return list(&kNone);
+  }
   static Slot deferred(const DeferredCell* cell) { return of(cell, kOther); }
   static Slot expanding(const DeferredCell* cell) { return of(cell, kOther | kClaimed); }
   static Slot finished(const FinishedSubtree* subtree) { return of(subtree, kOther | kFinished); }

@@ -17,6 +17,10 @@ void measure_below(Slot slot, const geometry::Aabb& box, int depth, double root_
   }
   if (slot.is_finished()) return slot.finished()->measure(root_area, depth, m);
   ++m.nodes;
+  if (slot.is_list()) {  // an empty one
+    ++m.leaves;
+    return;
+  }
   m.expected_traversals += root_area > 0 ? half_area(box) / root_area : 1;
   const WideNode& node = *slot.node();
   for (std::size_t i = 0; i < kWidth; ++i)
@@ -31,6 +35,7 @@ void grow_below(Slot slot, std::vector<bool>& seen, GrowthMetrics& g) {
   }
   if (slot.is_finished()) return slot.finished()->measure_growth(seen, g);
   ++g.cells_built;
+  if (slot.is_list()) return;
   for (const AtomicSlot& child : slot.node()->children) grow_below(load(child), seen, g);
 }
 

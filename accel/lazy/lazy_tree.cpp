@@ -266,7 +266,7 @@ kdtree::Slot LazyTree::make_node(Division& division) {
     for (NewCell& cell : division.cells) {
       const geometry::Aabb box = cell.box;
       const kdtree::Slot slot = defer(std::move(cell), division.compact);
-      if (!slot) continue;
+      if (slot == kdtree::Slot::empty_list()) continue;
       node->set_box(children, box, frame_->center);
       node->children[children++].store(slot.bits(), std::memory_order_relaxed);
     }

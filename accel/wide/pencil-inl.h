@@ -124,6 +124,8 @@ class Pencil {
         if (++blocks_ > kMostBlocks) return false;
         visit_block(at.block());
         return true;
+      } else if (at.is_list()) {  // an empty one
+        return true;
       } else {
         const kdtree::Slot now = kdtree::load(at.slot());
         if (!now.is_finished()) return false;

@@ -20,7 +20,7 @@ constexpr std::size_t kLeavesPerPin = 256;
 /// Calls visit(box) for the leaves at and below a slot; boxes are minus the tree's center.
 template <class Visit>
 void each_leaf(Slot slot, const Aabb& box, const Visit& visit) {
-  if (!slot || slot.is_deferred()) return;
+  if (!slot || slot.is_deferred() || slot == Slot::empty_list()) return;
   if (slot.is_finished()) {
     slot = static_cast<const accel::wide::WideTree*>(slot.finished())->root();
   }

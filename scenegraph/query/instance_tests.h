@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "accel/lazy/growing_leaf.h"
+#include "accel/wide/float_rays.h"
+#include "accel/wide/lane_ray.h"
 #include "scenegraph/query/caster.h"
 #include "scenegraph/query/entered.h"
 #include "scenegraph/query/seen.h"

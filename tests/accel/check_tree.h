@@ -1,13 +1,15 @@
-// Checks the invariants of every kd-tree: cells tile the bounds, and a leaf or a finished subtree
-// holds exactly its cell's members, or, if the builder clips, all references that a ray can meet
-// there.
+// Checks the invariants of every tree: the children of a node lie within it, and a cell or a finished
+// subtree holds exactly its cell's members, or, if the builder clips, all references that a ray can
+// meet there.
 #pragma once
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
+#include "accel/blocks/frame.h"
 #include "accel/kdtree/kd_tree.h"
 #include "tests/accel/wide/boxed_blocks.h"
 #include "tests/support/scenes.h"
@@ -44,127 +46,78 @@ inline void check_finished(const accel::wide::WideTree& tree, const accel::geome
   }
 }
 
-/// `bounds[id]` is the builder's box of a reference; references without one have an empty box.
-inline void check_cell(const accel::kdtree::KdTree& tree, accel::kdtree::Slot slot,
-                       const accel::geometry::Aabb& cell, int depth, const TestMesh& mesh,
-                       const std::vector<accel::geometry::Aabb>& bounds) {
+/// Calls check(slot, cell, depth) for what lies below the nodes: cells, finished subtrees and empty
+/// lists. `cell`: the box of the slot.
+template <class Check>
+void each_cell(accel::kdtree::Slot slot, const accel::geometry::Aabb& cell, int depth,
+               const accel::geometry::Vec3f& center, const Check& check) {
   ASSERT_LE(depth, accel::kdtree::kMaxTreeDepth);
-  if (slot.is_binary()) {
-    const auto axis = static_cast<std::size_t>(slot.axis());
-    ASSERT_GT(slot.position(), cell.lo[axis]);
-    ASSERT_LT(slot.position(), cell.hi[axis]);
-    const accel::geometry::HalvedCell halves =
-        accel::geometry::halve(cell, slot.axis(), slot.position());
-    check_cell(tree, accel::kdtree::load(tree.children(slot)[0]), halves.left, depth + 1, mesh,
-               bounds);
-    check_cell(tree, accel::kdtree::load(tree.children(slot)[1]), halves.right, depth + 1, mesh,
-               bounds);
-    return;
+  if (!slot.is_node()) return check(slot, cell);
+  for (std::size_t i = 0; i < accel::kdtree::kWidth && slot.node()->child(i); ++i) {
+    const accel::geometry::Aabb child = box_of(*slot.node(), i, center);
+    ASSERT_TRUE(lies_in(child, cell));
+    ASSERT_NO_FATAL_FAILURE(each_cell(slot.node()->child(i), child, depth + 1, center, check));
   }
-  std::vector<std::uint32_t> held, members;
-  if (slot.is_deferred()) {
-    ASSERT_EQ(slot.cell()->box, cell);
-    if (!slot.cell()->has_list || slot.cell()->openable) return;
-    held = ids_of(slot.cell()->list);
-  } else if (slot.is_finished()) {
-    ASSERT_NO_FATAL_FAILURE(check_finished(wide_tree(slot), cell, mesh, bounds, held));
-  } else {
-    std::uint32_t storage;
-    if (slot.leaf_count() > 0) {
-      for (const std::uint32_t id : tree.leaf(slot, storage)) held.push_back(id);
-    }
-  }
-  for (std::size_t id = 0; id < bounds.size(); ++id) {
-    if (!bounds[id].empty() && accel::geometry::is_member(bounds[id], cell))
-      members.push_back(static_cast<std::uint32_t>(id));
-  }
-  std::sort(held.begin(), held.end());
-  ASSERT_EQ(held, members);
 }
 
+template <class Check>
+void each_cell(const accel::kdtree::KdTree& tree, const Check& check) {
+  each_cell(accel::kdtree::load(tree.root()), tree.bounds(), 0,
+            accel::blocks::frame_center(tree.bounds()), check);
+}
+
+/// Sets `held` to what a cell holds, ascending; false if its list is not made.
+inline bool read_held(accel::kdtree::Slot slot, const accel::geometry::Aabb& cell,
+                      const TestMesh& mesh, const std::vector<accel::geometry::Aabb>& bounds,
+                      std::vector<std::uint32_t>& held) {
+  if (slot.is_finished()) {
+    check_finished(wide_tree(slot), cell, mesh, bounds, held);
+  } else if (slot.is_deferred()) {
+    EXPECT_EQ(slot.cell()->box, cell);
+    if (!slot.cell()->has_list || slot.cell()->openable) return false;
+    held = ids_of(slot.cell()->list);
+  }
+  std::sort(held.begin(), held.end());
+  return true;
+}
+
+/// `bounds[id]` is the builder's box of a reference; references without one have an empty box.
 inline void check_tree(const accel::kdtree::KdTree& tree, const TestMesh& mesh,
                        const std::vector<accel::geometry::Aabb>& bounds) {
-  check_cell(tree, accel::kdtree::load(tree.root()), tree.bounds(), 0, mesh, bounds);
-}
-
-/// Whether some leaf or block whose closed cell contains the point holds the reference.
-inline bool is_held_at(const accel::kdtree::KdTree& tree, accel::kdtree::Slot slot,
-                       const accel::geometry::Aabb& cell, const accel::geometry::Vec3f& point,
-                       std::uint32_t id) {
-  if (!holds_point(cell, point)) return false;
-  if (slot.is_binary()) {
-    const accel::geometry::HalvedCell halves =
-        accel::geometry::halve(cell, slot.axis(), slot.position());
-    return is_held_at(tree, accel::kdtree::load(tree.children(slot)[0]), halves.left, point, id) ||
-           is_held_at(tree, accel::kdtree::load(tree.children(slot)[1]), halves.right, point, id);
-  }
-  if (slot.is_deferred()) {
-    if (!slot.cell()->has_list || slot.cell()->openable) return true;
-    const std::vector<std::uint32_t> ids = ids_of(slot.cell()->list);
-    return std::find(ids.begin(), ids.end(), id) != ids.end();
-  }
-  if (slot.is_finished()) {
-    const accel::wide::WideTree& subtree = wide_tree(slot);
-    std::vector<BoxedBlock> boxed;
-    list_blocks(subtree.root(), cell, subtree.center(), boxed);
-    return is_held_at(boxed, point, id);
-  }
-  if (slot.leaf_count() == 0) return false;
-  std::uint32_t storage;
-  const auto ids = tree.leaf(slot, storage);
-  return std::find(ids.begin(), ids.end(), id) != ids.end();
-}
-
-inline void check_closed_cell(const accel::kdtree::KdTree& tree, accel::kdtree::Slot slot,
-                              const accel::geometry::Aabb& cell, int depth, const TestMesh& mesh,
-                              const std::vector<accel::geometry::Aabb>& bounds) {
-  ASSERT_LE(depth, accel::kdtree::kMaxTreeDepth);
-  if (slot.is_binary()) {
-    const auto axis = static_cast<std::size_t>(slot.axis());
-    ASSERT_GE(slot.position(), cell.lo[axis]);
-    ASSERT_LE(slot.position(), cell.hi[axis]);
-    const accel::geometry::HalvedCell halves =
-        accel::geometry::halve(cell, slot.axis(), slot.position());
-    check_closed_cell(tree, accel::kdtree::load(tree.children(slot)[0]), halves.left, depth + 1,
-                      mesh, bounds);
-    check_closed_cell(tree, accel::kdtree::load(tree.children(slot)[1]), halves.right, depth + 1,
-                      mesh, bounds);
-    return;
-  }
-  std::vector<std::uint32_t> held;
-  if (slot.is_deferred()) {
-    ASSERT_EQ(slot.cell()->box, cell);
-    if (!slot.cell()->openable) held = ids_of(slot.cell()->list);
-  } else if (slot.is_finished()) {
-    ASSERT_NO_FATAL_FAILURE(check_finished(wide_tree(slot), cell, mesh, bounds, held));
-  } else if (slot.leaf_count() > 0) {
-    std::uint32_t storage;
-    for (const std::uint32_t id : tree.leaf(slot, storage)) held.push_back(id);
-  }
-  std::sort(held.begin(), held.end());
-  ASSERT_EQ(std::adjacent_find(held.begin(), held.end()), held.end());
-  for (const std::uint32_t id : held) {
-    for (std::size_t a = 0; a < 3; ++a) {
-      ASSERT_LE(bounds[id].lo[a], cell.hi[a]);
-      ASSERT_GE(bounds[id].hi[a], cell.lo[a]);
+  each_cell(tree, [&](accel::kdtree::Slot slot, const accel::geometry::Aabb& cell) {
+    std::vector<std::uint32_t> held, members;
+    if (!read_held(slot, cell, mesh, bounds, held)) return;
+    for (std::size_t id = 0; id < bounds.size(); ++id) {
+      if (!bounds[id].empty() && accel::geometry::is_member(bounds[id], cell))
+        members.push_back(static_cast<std::uint32_t>(id));
     }
-  }
+    ASSERT_EQ(held, members);
+  });
 }
 
-/// For builders that clip or choose the side of flat boxes, as their papers do: cells (some of them
-/// flat) tile the bounds; a leaf holds no reference twice and none that does not touch its closed
-/// cell; and every corner of every face lies in the closed cell of a leaf that holds the face, or
-/// in the box of a block that does. `bounds` as above.
+/// For builders that clip: a cell holds no reference twice and none that does not touch its closed
+/// box; and every corner of every face lies in the closed box of a cell that holds the face.
+/// `bounds` as above.
 inline void check_closed_tree(const accel::kdtree::KdTree& tree, const TestMesh& mesh,
                               const std::vector<accel::geometry::Aabb>& bounds) {
-  check_closed_cell(tree, accel::kdtree::load(tree.root()), tree.bounds(), 0, mesh, bounds);
-  for (std::size_t id = 0; id < bounds.size(); ++id) {
-    if (bounds[id].empty()) continue;
-    for (const std::uint32_t v : mesh.faces[id]) {
-      ASSERT_TRUE(is_held_at(tree, accel::kdtree::load(tree.root()), tree.bounds(),
-                             mesh.vertices[v], static_cast<std::uint32_t>(id)))
-          << "face " << id;
+  std::vector<std::array<bool, 3>> covered(bounds.size());
+  bool unknown = false;
+  each_cell(tree, [&](accel::kdtree::Slot slot, const accel::geometry::Aabb& cell) {
+    std::vector<std::uint32_t> held;
+    unknown |= !read_held(slot, cell, mesh, bounds, held);
+    ASSERT_EQ(std::adjacent_find(held.begin(), held.end()), held.end());
+    for (const std::uint32_t id : held) {
+      for (std::size_t a = 0; a < 3; ++a) {
+        ASSERT_LE(bounds[id].lo[a], cell.hi[a]);
+        ASSERT_GE(bounds[id].hi[a], cell.lo[a]);
+      }
+      for (std::size_t k = 0; k < 3; ++k)
+        covered[id][k] |= holds_point(cell, mesh.vertices[mesh.faces[id][k]]);
     }
+  });
+  for (std::size_t id = 0; id < bounds.size() && !unknown; ++id) {
+    if (bounds[id].empty()) continue;
+    EXPECT_EQ(covered[id], (std::array<bool, 3>{true, true, true})) << "face " << id;
   }
 }
 

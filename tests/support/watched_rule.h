@@ -33,7 +33,6 @@ class WatchedRule final : public accel::split::SplitSearch {
   accel::split::ChildPlanes child_planes(const accel::geometry::Aabb& child) const override {
     return rule_->child_planes(child);
   }
-  std::optional<accel::split::BoundRule> small_rule() const override { return rule_->small_rule(); }
   double budget(bool in_blocks) const override { return rule_->budget(in_blocks); }
 
  private:

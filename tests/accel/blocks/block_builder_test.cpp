@@ -78,7 +78,7 @@ class Walk {
   }
 
   void expect_leaf(const Node* node) {
-    const Block block(node->block);
+    const Block block(node->leaf_words);
     ASSERT_EQ(node->levels, 0);
     ASSERT_EQ(node->leaves, 1);
     ASSERT_EQ(node->words, block.words());
@@ -98,7 +98,7 @@ class Walk {
       }
     }
     ASSERT_EQ(node->box, box);
-    expect_padding(node->block, block);
+    expect_padding(node->leaf_words, block);
   }
 
   static void expect_padding(const std::uint32_t* words, const Block& block) {

@@ -16,7 +16,7 @@ namespace sightline::tests {
 /// Relative to nothing: for ratios.
 inline double block_tree_cost(const accel::blocks::Node* node) {
   const double area = accel::geometry::half_area(node->box);
-  if (node->leaf()) return area * (1 + 0.05 * accel::blocks::Block(node->block).triangles);
+  if (node->leaf()) return area * (1 + 0.05 * accel::blocks::Block(node->leaf_words).triangles);
   return area * 0.5 + block_tree_cost(node->left) + block_tree_cost(node->right);
 }
 

@@ -3,42 +3,38 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <vector>
+
 #include "accel/kdtree/deferred_cell.h"
+#include "accel/kdtree/wide_node.h"
 
 namespace sightline::accel::kdtree {
 namespace {
 
-TEST(Slot, DefaultIsAnEmptyLeaf) {
-  EXPECT_TRUE(Slot().is_leaf());
-  EXPECT_EQ(Slot().leaf_count(), 0u);
-  EXPECT_FALSE(Slot().is_binary());
+TEST(Slot, DefaultIsNothing) {
+  EXPECT_FALSE(Slot());
+  EXPECT_FALSE(Slot().is_node());
   EXPECT_FALSE(Slot().is_deferred());
+  EXPECT_FALSE(Slot().is_finished());
 }
 
-TEST(Slot, BinaryKeepsPlaneAndPair) {
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const float x : {-0.0f, 1.5f, -3e38f, 1e-38f}) {
-      for (const std::uint32_t pair : {0u, 1u, static_cast<std::uint32_t>(Slot::kMaxPairs - 1)}) {
-        const Slot slot = Slot::binary({axis, x}, pair);
-        EXPECT_TRUE(slot.is_binary());
-        EXPECT_FALSE(slot.is_leaf());
-        EXPECT_FALSE(slot.is_deferred());
-        EXPECT_EQ(slot.axis(), axis);
-        EXPECT_EQ(slot.position(), x);
-        EXPECT_EQ(slot.pair(), pair);
-      }
-    }
+TEST(Slot, KeepsWhatItLeadsTo) {
+  const WideNode node;
+  EXPECT_TRUE(Slot::node(&node).is_node());
+  EXPECT_EQ(Slot::node(&node).node(), &node);
+  const std::array<std::uint32_t, 4> words{2, 7, 0x80000001u};
+  for (const std::uint32_t* at : {&words[0], &words[1]}) {  // aligned to four bytes
+    EXPECT_TRUE(Slot::block(at).is_block());
+    EXPECT_EQ(Slot::block(at).words(), at);
+    EXPECT_TRUE(Slot::list(at).is_list());
+    EXPECT_EQ(Slot::list(at).words(), at);
+    EXPECT_FALSE(Slot::list(at).is_other());
   }
-}
-
-TEST(Slot, LeafKeepsCountAndOffset) {
-  const Slot large = Slot::leaf(Slot::kMaxLeafCount, 0xffffffffu);
-  EXPECT_EQ(large.leaf_count(), Slot::kMaxLeafCount);
-  EXPECT_EQ(large.leaf_first(), 0xffffffffu);
-  EXPECT_TRUE(large.is_leaf());
-  const Slot single = Slot::single(0x80000001u);
-  EXPECT_EQ(single.leaf_count(), 1u);
-  EXPECT_EQ(single.leaf_first(), 0x80000001u);
+  const std::span<const std::uint32_t> list = Slot::list(words.data()).list();
+  EXPECT_EQ(std::vector<std::uint32_t>(list.begin(), list.end()),
+            (std::vector<std::uint32_t>{7, 0x80000001u}));
+  EXPECT_TRUE(Slot::empty_list().list().empty());
 }
 
 TEST(Slot, DeferredSlotKeepsItsCell) {
@@ -48,7 +44,10 @@ TEST(Slot, DeferredSlotKeepsItsCell) {
   EXPECT_TRUE(Slot::deferred(&cell).is_deferred());
   EXPECT_TRUE(Slot::expanding(&cell).is_deferred());
   EXPECT_NE(Slot::deferred(&cell), Slot::expanding(&cell));
-  EXPECT_FALSE(Slot::deferred(&cell).is_leaf());
+  EXPECT_TRUE(Slot::expanding(&cell).is_expanding());
+  EXPECT_FALSE(Slot::deferred(&cell).is_expanding());
+  EXPECT_TRUE(Slot::deferred(&cell).is_other());
+  EXPECT_FALSE(Slot::deferred(&cell).is_finished());
 }
 
 }  // namespace

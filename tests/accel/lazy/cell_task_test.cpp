@@ -99,14 +99,18 @@ struct SharedBoxes : ManyBoxes {
 kdtree::BuildCounters descend(LazyTree& tree, const geometry::Vec3f& point) {
   const kdtree::EpochPin pin;
   kdtree::BuildCounters counters;
-  kdtree::AtomicSlot* at = &tree.root();
-  for (kdtree::Slot slot = kdtree::load(*at); !slot.is_leaf(); slot = kdtree::load(*at)) {
+  const geometry::Vec3f& center = tree.frame()->center;
+  for (kdtree::AtomicSlot* at = &tree.root(); at != nullptr;) {
+    const kdtree::Slot slot = kdtree::load(*at);
     if (slot.is_deferred()) {
       if (tree.expand(*at, WhenPending::kWait, counters) == ExpandResult::kScanList) break;
       continue;
     }
-    const auto axis = static_cast<std::size_t>(slot.axis());
-    at = &tree.tree().children(slot)[point[axis] < slot.position() ? 0 : 1];
+    at = nullptr;
+    for (std::size_t i = 0; slot.is_node() && i < kdtree::kWidth && slot.node()->child(i); ++i) {
+      if (tests::holds_point(tests::box_of(*slot.node(), i, center), point))
+        at = &slot.node()->slot(i);
+    }
   }
   return counters;
 }
@@ -128,7 +132,9 @@ TEST(CellTask, SixteenThreadsInOneColdCellBuildWhatOneBuilds) {
   // How much of the work is done twice depends on which threads the system suspends.
   EXPECT_GE(descend_with(16, *together, point), one);
   const kdtree::EpochPin pin;
-  EXPECT_EQ(kdtree::load(together->root()).position(), kdtree::load(alone->root()).position());
+  const kdtree::Slot root = kdtree::load(together->root()), other = kdtree::load(alone->root());
+  ASSERT_TRUE(root.is_node() && other.is_node());
+  EXPECT_EQ(root.node()->bounds, other.node()->bounds);
   const auto cells = [](const LazyTree& t) {
     return measure_growth(t.tree(), 400'000).cells_built;
   };

@@ -10,7 +10,7 @@
 
 #include "accel/blocks/block.h"
 #include "accel/blocks/frame.h"
-#include "accel/wide/walk_in_doubles.h"
+#include "accel/wide/wide_tree.h"
 #include "accel/wide/wide_tree.h"
 #include "tests/support/scenes.h"
 
@@ -33,21 +33,27 @@ inline bool holds_point(const accel::geometry::Aabb& box, const accel::geometry:
   return lies_in({point, point}, box);
 }
 
-/// Adds the blocks at and below a child. Boxes lie in that of their parent, children come first in
+/// The box of a child in the tree's coordinates. Exact, as the differences to the center are.
+inline accel::geometry::Aabb box_of(const accel::kdtree::WideNode& node, std::size_t i,
+                                    const accel::geometry::Vec3f& center) {
+  const accel::geometry::Aabb box = node.box(i);
+  return {box.lo + center, box.hi + center};
+}
+
+/// Adds the blocks at and below a slot. Boxes lie in that of their parent, children come first in
 /// their node, and no ray meets the box of one that does not exist.
-inline void list_blocks(accel::wide::Child at, const accel::geometry::Aabb& box,
+inline void list_blocks(accel::kdtree::Slot at, const accel::geometry::Aabb& box,
                         const accel::geometry::Vec3f& center, std::vector<BoxedBlock>& out) {
-  using accel::wide::kWidth;
   if (at.is_block()) {
-    out.push_back({box, accel::blocks::Block(at.block())});
+    out.push_back({box, accel::blocks::Block(at.words())});
     return;
   }
   ASSERT_TRUE(at.is_node());
-  const accel::wide::WideNode& node = *at.node();
-  ASSERT_TRUE(node.children[0] && node.children[1]);
+  const accel::kdtree::WideNode& node = *at.node();
+  ASSERT_TRUE(node.child(0) && node.child(1));
   bool ended = false;
-  for (std::size_t i = 0; i < kWidth; ++i) {
-    if (!node.children[i]) {
+  for (std::size_t i = 0; i < accel::kdtree::kWidth; ++i) {
+    if (!node.child(i)) {
       ended = true;
       for (std::size_t a = 0; a < 3; ++a) {
         ASSERT_EQ(node.bounds[2 * a][i], HUGE_VALF);
@@ -56,9 +62,9 @@ inline void list_blocks(accel::wide::Child at, const accel::geometry::Aabb& box,
       continue;
     }
     ASSERT_FALSE(ended);
-    const accel::geometry::Aabb child = accel::wide::box_of(node, i, center);
+    const accel::geometry::Aabb child = box_of(node, i, center);
     ASSERT_TRUE(lies_in(child, box));
-    ASSERT_NO_FATAL_FAILURE(list_blocks(node.children[i], child, center, out));
+    ASSERT_NO_FATAL_FAILURE(list_blocks(node.child(i), child, center, out));
   }
 }
 

@@ -25,15 +25,14 @@ struct BlockTriangle {
   std::uint32_t triangle, id;
 };
 
-void find_triangles(Child at, std::vector<BlockTriangle>& out) {
+void find_triangles(kdtree::Slot at, std::vector<BlockTriangle>& out) {
   if (at.is_block()) {
-    const blocks::Block block(at.block());
-    for (std::uint32_t i = 0; i < block.triangles; ++i) out.push_back({at.block(), i, block.id(i)});
+    const blocks::Block block(at.words());
+    for (std::uint32_t i = 0; i < block.triangles; ++i) out.push_back({at.words(), i, block.id(i)});
     return;
   }
-  for (const Child child : at.node()->children) {
-    if (child) find_triangles(child, out);
-  }
+  for (std::size_t i = 0; i < kdtree::kWidth && at.node()->child(i); ++i)
+    find_triangles(at.node()->child(i), out);
 }
 
 /// A packet whose rays have met nothing, with nothing to hide a hit.

@@ -65,6 +65,9 @@ struct NoSlots {
     ADD_FAILURE() << "a tree without slots";
     return {};
   }
+  static void visit(std::span<const std::uint32_t>, std::uint32_t) {
+    ADD_FAILURE() << "a tree without lists";
+  }
 };
 
 }  // namespace sightline::tests

@@ -9,66 +9,64 @@
 #include <span>
 #include <vector>
 
+#include "accel/kdtree/deferred_cell.h"
 #include "tests/accel/wide/mesh_as_tree.h"
 #include "tests/accel/wide/rule_over_mesh.h"
 
 namespace sightline::tests {
 
-/// A mesh in parts, each the subtree of a slot, below one wide tree.
+/// A mesh in parts, each the subtree of a slot, below nodes.
 class MeshInParts {
  public:
-  MeshInParts(const TestMesh& mesh, std::size_t parts) : of(mesh) {
+  MeshInParts(const TestMesh& mesh, std::size_t parts) : of(mesh), groups_(kWidth) {
     std::vector<accel::kdtree::Reference> refs(mesh.faces.size());
     refs.resize(accel::mesh::face_references(of.mesh.view(), 0, refs.size(), refs.data()));
     accel::blocks::BlockBuilder builder(of.mesh.view(), of.frame.center);
-    const accel::blocks::Node* root = nullptr;
+    std::vector<accel::geometry::Aabb> boxes(kWidth);
+    const std::size_t in_group = (parts + kWidth - 1) / kWidth;
     for (std::size_t i = 0; i < parts; ++i) {
       const std::size_t begin = refs.size() * i / parts, end = refs.size() * (i + 1) / parts;
       accel::blocks::Arena arena;
       subtrees.push_back(std::make_unique<accel::wide::WideTree>(
           *builder.build(std::span(refs).subspan(begin, end - begin), of.bounds, arena),
           of.frame.center));
-      slots.emplace_back(accel::kdtree::Slot::empty_leaf().bits());
       ends.push_back(end);
-      const accel::blocks::Node* leaf = leaf_over(slots.back(), subtrees.back()->box());
-      root = root == nullptr ? leaf : join(root, leaf);
+      const std::size_t group = i / in_group, at = i % in_group;
+      groups_[group].set_box(at, subtrees.back()->box(), of.frame.center);
+      boxes[group].grow(subtrees.back()->box());
+      slots.push_back(&groups_[group].children[at]);
+      open(i);
     }
-    top = std::make_unique<accel::wide::WideTree>(*root, of.frame.center);
+    for (std::size_t group = 0; group * in_group < parts; ++group) {
+      top_.set_box(group, boxes[group], of.frame.center);
+      top_.children[group] = accel::kdtree::Slot::node(&groups_[group]).bits();
+    }
   }
 
   void finish(std::size_t part) {
-    slots[part].store(accel::kdtree::Slot::finished(subtrees[part].get()).bits());
+    slots[part]->store(accel::kdtree::Slot::finished(subtrees[part].get()).bits());
   }
+  void open(std::size_t part) { slots[part]->store(accel::kdtree::Slot::deferred(&cell_).bits()); }
+  void empty(std::size_t part) { slots[part]->store(accel::kdtree::Slot::empty_list().bits()); }
 
+  accel::wide::Child root() const {
+    return accel::wide::Child::final(accel::kdtree::Slot::node(&top_));
+  }
   std::size_t part_of(const accel::kdtree::AtomicSlot& slot) const {
-    for (std::size_t i = 0; i < slots.size(); ++i) {
-      if (&slots[i] == &slot) return i;
-    }
-    return slots.size();
+    return static_cast<std::size_t>(std::find(slots.begin(), slots.end(), &slot) - slots.begin());
   }
 
   MeshAsTree of;
   std::vector<std::unique_ptr<accel::wide::WideTree>> subtrees;
-  std::deque<accel::kdtree::AtomicSlot> slots;
+  std::vector<accel::kdtree::AtomicSlot*> slots;
   std::vector<std::size_t> ends;  ///< The first face of the next part.
-  std::unique_ptr<accel::wide::WideTree> top;
 
  private:
-  const accel::blocks::Node* leaf_over(const accel::kdtree::AtomicSlot& slot,
-                                       const accel::geometry::Aabb& box) {
-    accel::blocks::Node* leaf = arena_.node();
-    leaf->box = box;
-    leaf->words = accel::blocks::Node::kOther;
-    leaf->other = accel::wide::Child::slot(&slot).bits();
-    return leaf;
-  }
+  static constexpr std::size_t kWidth = accel::kdtree::kWidth;
 
-  const accel::blocks::Node* join(const accel::blocks::Node* left,
-                                  const accel::blocks::Node* right) {
-    return arena_.join(left, right);
-  }
-
-  accel::blocks::Arena arena_;
+  accel::kdtree::DeferredCell cell_;  ///< Stands for those of all parts that are open.
+  std::vector<accel::kdtree::WideNode> groups_;
+  accel::kdtree::WideNode top_;
 };
 
 /// The rule over the faces of the parts that count.

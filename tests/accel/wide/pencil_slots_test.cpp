@@ -67,11 +67,11 @@ TEST_P(PencilSlots, GoThroughFinishedOnesAndPassEmptyLeaves) {
       MeshInParts parts(tests::random_soup(80, 0.2, 3), 9);
       const auto is_finished = [](std::size_t part) { return part % 3 != 1; };
       for (std::size_t part = 0; part < parts.slots.size(); ++part) {
-        if (is_finished(part)) parts.finish(part);
+        is_finished(part) ? parts.finish(part) : parts.empty(part);
       }
       const std::vector<Ray> rays = pencil(aim);
       PencilWalk walk(rays, any);
-      ASSERT_TRUE(is_done_as_pencil(parts, parts.top->root(), rays, walk));
+      ASSERT_TRUE(is_done_as_pencil(parts, parts.root(), rays, walk));
       for (std::size_t lane = 0; lane < rays.size(); ++lane)
         ASSERT_EQ(walk.answer(lane), search(parts, rays[lane], any, is_finished));
     }
@@ -86,10 +86,10 @@ TEST_P(PencilSlots, EndAtOnesThatAreNotFinished) {
       for (std::size_t open = 0; open < 40; ++open) {
         MeshInParts parts(tests::random_soup(200, 0.05, 3), 40);
         for (std::size_t part = 0; part < parts.slots.size(); ++part) parts.finish(part);
-        parts.slots[open] = kdtree::Slot::leaf(1, 0).bits();
+        parts.open(open);
         const std::vector<Ray> rays = pencil(aim);
         PencilWalk walk(rays, any);
-        if (!is_done_as_pencil(parts, parts.top->root(), rays, walk)) {
+        if (!is_done_as_pencil(parts, parts.root(), rays, walk)) {
           ++not_done;
           if (any) continue;
           for (std::size_t lane = 0; lane < rays.size(); ++lane)
@@ -110,19 +110,18 @@ TEST_P(PencilSlots, EndAtOnesThatAreNotFinished) {
 TEST_P(PencilSlots, ARootMayBeASlot) {
   MeshInParts parts(tests::random_soup(80, 0.2, 3), 2);
   const std::vector<Ray> rays = pencil(0.5);
-  const Child root = Child::slot(&parts.slots[0]);
   for (const bool any : {false, true}) {
-    parts.slots[0] = kdtree::Slot::empty_leaf().bits();
+    parts.empty(0);
     PencilWalk empty(rays, any);
-    EXPECT_TRUE(is_done_as_pencil(parts, root, rays, empty));
+    EXPECT_TRUE(is_done_as_pencil(parts, Child::at(*parts.slots[0]), rays, empty));
     EXPECT_EQ(empty.best->found, 0u);
-    parts.slots[0] = kdtree::Slot::leaf(2, 0).bits();
+    parts.open(0);
     PencilWalk open(rays, any);
-    EXPECT_FALSE(is_done_as_pencil(parts, root, rays, open));
+    EXPECT_FALSE(is_done_as_pencil(parts, Child::at(*parts.slots[0]), rays, open));
     EXPECT_EQ(open.best->found, 0u);
     parts.finish(0);
     PencilWalk walk(rays, any);
-    ASSERT_TRUE(is_done_as_pencil(parts, root, rays, walk));
+    ASSERT_TRUE(is_done_as_pencil(parts, Child::at(*parts.slots[0]), rays, walk));
     for (std::size_t lane = 0; lane < rays.size(); ++lane) {
       const auto is_first = [](std::size_t part) { return part == 0; };
       ASSERT_EQ(walk.answer(lane), search(parts, rays[lane], any, is_first));

@@ -45,8 +45,9 @@ class Visitor {
     ++visits.at(part);
     if (does_ == AtSlot::kFinish) parts_.finish(part);
     if (does_ == AtSlot::kStop) packet_.stopped = true;
-    return does_ == AtSlot::kFinish ? Child::slot(&slot) : Child{};
+    return does_ == AtSlot::kFinish ? Child::at(slot) : Child{};
   }
+  static void visit(std::span<const std::uint32_t>, std::uint32_t) {}
 
   std::vector<std::uint32_t> met;
   std::vector<int> visits;
@@ -118,7 +119,7 @@ TEST_P(Slots, FinishedOnesAreWalkedThrough) {
     for (std::size_t part = 0; part < parts.slots.size(); ++part) parts.finish(part);
     Walk walk(parts, rays, any);
     Visitor visitor(parts, *walk.packet, AtSlot::kSkip);
-    walk.run(parts.top->root(), visitor);
+    walk.run(parts.root(), visitor);
     for (const int visits : visitor.visits) ASSERT_EQ(visits, 0);
     for (std::size_t lane = 0; lane < rays.size(); ++lane) {
       const Answer expected = search(parts, rays[lane], any, [](std::size_t) { return true; });
@@ -131,10 +132,10 @@ TEST_P(Slots, FinishedOnesAreWalkedThrough) {
 
 TEST_P(Slots, OnesThatARayFinishesAreWalkedThrough) {
   each_packet([&](MeshInParts& parts, std::span<const Ray> rays, bool any) {
-    for (kdtree::AtomicSlot& slot : parts.slots) slot = kdtree::Slot::empty_leaf().bits();
+    for (std::size_t part = 0; part < parts.slots.size(); ++part) parts.open(part);
     Walk walk(parts, rays, any);
     Visitor visitor(parts, *walk.packet, AtSlot::kFinish);
-    walk.run(parts.top->root(), visitor);
+    walk.run(parts.root(), visitor);
     for (std::size_t part = 0; part < parts.slots.size(); ++part) {
       ASSERT_LE(visitor.visits[part], 1);
       ASSERT_EQ(visitor.met[part] & ~walk.live, 0u);
@@ -150,12 +151,12 @@ TEST_P(Slots, OnesThatARayFinishesAreWalkedThrough) {
 TEST_P(Slots, EveryRayWithAHitBelowASlotMeetsIt) {
   each_packet([&](MeshInParts& parts, std::span<const Ray> rays, bool any) {
     for (std::size_t part = 0; part < parts.slots.size(); ++part) {
-      parts.slots[part] = kdtree::Slot::empty_leaf().bits();
+      parts.open(part);
       if (part % 2 == 0) parts.finish(part);
     }
     Walk walk(parts, rays, any);
     Visitor visitor(parts, *walk.packet, AtSlot::kSkip);
-    walk.run(parts.top->root(), visitor);
+    walk.run(parts.root(), visitor);
     for (std::size_t lane = 0; lane < rays.size(); ++lane) {
       const auto is_finished = [](std::size_t part) { return part % 2 == 0; };
       ASSERT_EQ(walk.answer(lane), search(parts, rays[lane], any, is_finished));
@@ -169,10 +170,10 @@ TEST_P(Slots, EveryRayWithAHitBelowASlotMeetsIt) {
 
 TEST_P(Slots, AStoppedPacketGoesNoFurther) {
   each_packet([&](MeshInParts& parts, std::span<const Ray> rays, bool any) {
-    for (kdtree::AtomicSlot& slot : parts.slots) slot = kdtree::Slot::empty_leaf().bits();
+    for (std::size_t part = 0; part < parts.slots.size(); ++part) parts.open(part);
     Walk walk(parts, rays, any);
     Visitor visitor(parts, *walk.packet, AtSlot::kStop);
-    walk.run(parts.top->root(), visitor);
+    walk.run(parts.root(), visitor);
     int visits = 0;
     for (const int of_part : visitor.visits) visits += of_part;
     ASSERT_EQ(visits, walk.packet->stopped ? 1 : 0);
@@ -181,41 +182,15 @@ TEST_P(Slots, AStoppedPacketGoesNoFurther) {
 
 TEST_P(Slots, ARootMayBeASlot) {
   each_packet([&](MeshInParts& parts, std::span<const Ray> rays, bool any) {
-    kdtree::AtomicSlot& root = parts.slots[0];
-    root = kdtree::Slot::empty_leaf().bits();
+    parts.open(0);
     const auto is_first = [](std::size_t part) { return part == 0; };
     Walk walk(parts, rays, any);
     Visitor visitor(parts, *walk.packet, AtSlot::kFinish);
-    walk.run(Child::slot(&root), visitor);
+    walk.run(Child::at(*parts.slots[0]), visitor);
     ASSERT_EQ(visitor.met[0], walk.live);
     for (std::size_t lane = 0; lane < rays.size(); ++lane)
       ASSERT_EQ(walk.answer(lane), search(parts, rays[lane], any, is_first));
   });
-}
-
-TEST(WideTree, KeepsOtherLeavesInTheirBoxes) {
-  MeshInParts parts(tests::random_soup(400, 0.2, 3), 40);
-  std::vector<int> seen(parts.slots.size());
-  const auto look = [&](const auto& self, const WideNode& node) -> void {
-    for (std::size_t i = 0; i < kWidth && node.children[i]; ++i) {
-      if (node.children[i].is_node()) {
-        self(self, *node.children[i].node());
-        continue;
-      }
-      ASSERT_FALSE(node.children[i].is_block());
-      const std::size_t part = parts.part_of(*node.children[i].slot());
-      ASSERT_LT(part, seen.size());
-      ++seen[part];
-      const geometry::Aabb& box = parts.subtrees[part]->box();
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const float center = parts.of.frame.center[axis];
-        EXPECT_EQ(node.bounds[2 * axis][i], blocks::relative(box.lo[axis], center));
-        EXPECT_EQ(node.bounds[2 * axis + 1][i], blocks::relative(box.hi[axis], center));
-      }
-    }
-  };
-  look(look, *parts.top->root().node());
-  EXPECT_EQ(seen, std::vector<int>(parts.slots.size(), 1));
 }
 
 }  // namespace

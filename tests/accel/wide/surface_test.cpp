@@ -104,15 +104,14 @@ class Hits {
     std::uint8_t triangle;
   };
 
-  void find(Child at) {
+  void find(kdtree::Slot at) {
     if (at.is_block()) {
-      const blocks::Block block(at.block());
-      for (std::uint8_t i = 0; i < block.triangles; ++i) at_[block.id(i)] = {at.block(), i};
+      const blocks::Block block(at.words());
+      for (std::uint8_t i = 0; i < block.triangles; ++i) at_[block.id(i)] = {at.words(), i};
       return;
     }
-    for (const Child child : at.node()->children) {
-      if (child) find(child);
-    }
+    for (std::size_t i = 0; i < kdtree::kWidth && at.node()->child(i); ++i)
+      find(at.node()->child(i));
   }
 
   const MeshAsTree& of_;

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "accel/kdtree/tree_metrics.h"
+#include "accel/kdtree/tree_ray.h"
 #include "accel/mesh/face_boxes.h"
 #include "tests/accel/wide/boxed_blocks.h"
 #include "tests/accel/wide/mesh_as_tree.h"
@@ -64,7 +65,7 @@ std::vector<std::uint32_t> ids(const blocks::Block& block) {
 
 void leaves_of(const blocks::Node& node, std::multiset<Leaf>& out) {
   if (node.leaf()) {
-    out.insert({ids(blocks::Block(node.block)), numbers(node.box)});
+    out.insert({ids(blocks::Block(node.leaf_words)), numbers(node.box)});
   } else {
     leaves_of(*node.left, out);
     leaves_of(*node.right, out);
@@ -93,14 +94,14 @@ struct Size {
   std::size_t nodes = 0, words = 0;
 };
 
-void measure(Child at, Size& size) {
+void measure(kdtree::Slot at, Size& size) {
   if (at.is_block()) {
-    size.words += blocks::Block(at.block()).words();
+    size.words += blocks::Block(at.words()).words();
     return;
   }
   ++size.nodes;
-  for (const Child child : at.node()->children) {
-    if (child) measure(child, size);
+  for (std::size_t i = 0; i < kdtree::kWidth; ++i) {
+    if (at.node()->child(i)) measure(at.node()->child(i), size);
   }
 }
 
@@ -109,20 +110,20 @@ TEST(WideTree, CountsItsMemory) {
     const MeshAsTree of(mesh);
     Size size;
     measure(of.tree->root(), size);
-    EXPECT_EQ(of.tree->size_in_bytes(), sizeof(WideTree) + size.nodes * sizeof(WideNode) +
+    EXPECT_EQ(of.tree->size_in_bytes(), sizeof(WideTree) + size.nodes * sizeof(kdtree::WideNode) +
                                             size.words * sizeof(std::uint32_t) +
                                             blocks::kBlockSlack);
   }
 }
 
 /// The words of all blocks below, in the order of the nodes.
-void words_of(Child at, std::vector<std::uint32_t>& out) {
+void words_of(kdtree::Slot at, std::vector<std::uint32_t>& out) {
   if (at.is_block()) {
-    out.insert(out.end(), at.block(), at.block() + blocks::Block(at.block()).words());
+    out.insert(out.end(), at.words(), at.words() + blocks::Block(at.words()).words());
     return;
   }
-  for (const Child child : at.node()->children) {
-    if (child) words_of(child, out);
+  for (std::size_t i = 0; i < kdtree::kWidth; ++i) {
+    if (at.node()->child(i)) words_of(at.node()->child(i), out);
   }
 }
 
@@ -142,24 +143,24 @@ TEST(WideTree, BlocksMayStayWhereTheyAre) {
   }
 }
 
-std::size_t children_of(const WideNode& node) {
-  const auto absent = [](Child child) { return !child; };
-  return static_cast<std::size_t>(std::find_if(node.children.begin(), node.children.end(), absent) -
-                                  node.children.begin());
+std::size_t children_of(const kdtree::WideNode& node) {
+  std::size_t children = 0;
+  while (children < kdtree::kWidth && node.child(children)) ++children;
+  return children;
 }
 
 /// A node has room only for fewer children than any node below it has, which has no nodes itself.
-void expect_full(Child at) {
+void expect_full(kdtree::Slot at) {
   if (at.is_block()) return;
   const std::size_t children = children_of(*at.node());
   EXPECT_GE(children, 2u);
   for (std::size_t i = 0; i < children; ++i) {
-    const Child child = at.node()->children[i];
+    const kdtree::Slot child = at.node()->child(i);
     expect_full(child);
-    if (children == kWidth || child.is_block()) continue;
-    const WideNode& below = *child.node();
-    EXPECT_GT(children_of(below) - 1, kWidth - children);
-    for (std::size_t k = 0; k < children_of(below); ++k) EXPECT_TRUE(below.children[k].is_block());
+    if (children == kdtree::kWidth || child.is_block()) continue;
+    const kdtree::WideNode& below = *child.node();
+    EXPECT_GT(children_of(below) - 1, kdtree::kWidth - children);
+    for (std::size_t k = 0; k < children_of(below); ++k) EXPECT_TRUE(below.child(k).is_block());
   }
 }
 
@@ -183,14 +184,14 @@ TEST(WideTree, NoRayMeetsAChildThatDoesNotExist) {
   const MeshAsTree of(tests::single_triangle());
   blocks::Arena arena;
   const WideTree tree(*chain(of, 1, arena), of.frame.center);
-  const WideNode& node = *tree.root().node();
-  ASSERT_TRUE(node.children[1]);
-  ASSERT_FALSE(node.children[2]);
+  const kdtree::WideNode& node = *tree.root().node();
+  ASSERT_TRUE(node.child(1));
+  ASSERT_FALSE(node.child(2));
   for (const double x : {-1.0, 1.0}) {
     const geometry::LocalRay local = *geometry::make_local_ray({0, 0, 0}, {x, 0, -x});
     kdtree::TreeRay ray;
     ASSERT_TRUE(enter(local, of.bounds, -1, 1, ray));
-    EXPECT_FALSE(may_meet(ray, box_of(node, 2, tree.center()), geometry::kInfinity));
+    EXPECT_FALSE(may_meet(ray, tests::box_of(node, 2, tree.center()), geometry::kInfinity));
   }
 }
 
@@ -237,10 +238,10 @@ TEST(WideTree, MeasuresGrowthByFirstSightOfATriangle) {
 TEST(WideTree, AsDeepAsATreeMayBe) {
   const MeshAsTree of(tests::single_triangle());
   blocks::Arena arena;
-  const WideTree tree(*chain(of, kMostLevels, arena), of.frame.center);
+  const WideTree tree(*chain(of, kdtree::kMostLevels, arena), of.frame.center);
   std::vector<BoxedBlock> boxed;
   ASSERT_NO_FATAL_FAILURE(tests::list_blocks(tree, of.bounds, of.mesh, {of.bounds}, boxed));
-  EXPECT_EQ(boxed.size(), kMostLevels + 1);
+  EXPECT_EQ(boxed.size(), kdtree::kMostLevels + 1);
 }
 
 }  // namespace
