@@ -120,7 +120,7 @@ class OfMesh {
     for (std::size_t i = 0; i < before.size(); ++i) {
       if (before[i].found) packets->set_best(i, before[i]);
     }
-    packets->walk(of_.frame, Child::final((of_.tree->root())));
+    packets->walk(of_.frame, Child::final(of_.tree->root()));
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const Best had = before.empty() ? Best{} : before[i], exact = expected(rays[i], had),
                  best = packets->best(i);
@@ -250,7 +250,7 @@ TEST_P(Pencils, AHitWhoseTIsTooLargeForADoubleIsNone) {
     for (const bool any : {false, true}) {
       const std::vector<Ray> rays(16, {{0x1p+22, 0x1p+22, 0x1p+24}, {0, 0, -length}});
       const auto packets = std::make_unique<Packets>(rays, Question{.any = any}, 1);
-      packets->walk(of.frame, Child::final((of.tree->root())));
+      packets->walk(of.frame, Child::final(of.tree->root()));
       EXPECT_TRUE(packets->done[0]);
       EXPECT_EQ(packets->best(0).found, std::isfinite(0x1p+24 / length));
     }

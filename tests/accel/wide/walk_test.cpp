@@ -49,7 +49,7 @@ std::vector<Answer> ask(const MeshAsTree& of, std::span<const Ray> rays, const Q
   slow = prepared.slow;
   tests::NoSlots none;
   kdtree::WalkCounters walked;
-  walk(*packet, Child::final((of.tree->root())), prepared.live, Leaf(none), walked);
+  walk(*packet, Child::final(of.tree->root()), prepared.live, Leaf(none), walked);
   if (!question.any) settle(*packet, prepared.live);
   std::vector<Answer> answers;
   for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -136,7 +136,7 @@ std::size_t expect_every(const MeshAsTree& of, std::span<const Ray> rays, std::s
       slow = prepared.slow;
       tests::NoSlots none;
       kdtree::WalkCounters walked;
-      walk(*packet, Child::final((of.tree->root())), prepared.live, Leaf(none), walked);
+      walk(*packet, Child::final(of.tree->root()), prepared.live, Leaf(none), walked);
     }
     for (std::size_t k = 0; k < part.size(); ++k) {
       if ((slow >> k & 1) != 0) continue;
