@@ -16,9 +16,10 @@ using blocks::Node;
 class Top {
  public:
   /// `by_slots`: what is finished is entered by its slot, as it may be evicted.
-  Top(const kdtree::KdTree& tree, bool by_slots) : tree_(tree), by_slots_(by_slots) {}
+  Top(const kdtree::KdTree& tree, const wide::Frame& frame, bool by_slots)
+      : tree_(tree), frame_(frame), by_slots_(by_slots) {}
 
-  /// Null: nothing is there.
+  /// Its boxes are in the frame. Null: nothing is there.
   const Node* node(kdtree::AtomicSlot& slot, const geometry::Aabb& cell) {
     const kdtree::Slot now = kdtree::load(slot);
     if (now == kdtree::Slot::empty_leaf()) return nullptr;
@@ -35,7 +36,7 @@ class Top {
  private:
   const Node* leaf(const geometry::Aabb& box, wide::Child child) {
     Node* made = arena_.node();
-    made->box = box;
+    made->box = in_frame(frame_, box);
     made->words = Node::kOther;
     made->other = child.bits();
     return made;
@@ -48,6 +49,7 @@ class Top {
   }
 
   const kdtree::KdTree& tree_;
+  const wide::Frame& frame_;
   const bool by_slots_;
   blocks::Arena arena_;
 };
@@ -62,20 +64,20 @@ wide::Child LazyTree::entry() {
 
 void LazyTree::count_steps(std::uint64_t steps) {
   const std::uint64_t sum = steps_.fetch_add(steps, std::memory_order_relaxed) + steps;
-  if (frame_ && sum >= kStepsPerNode * 2 * tree_.pairs()) compile_top();
+  if (sum >= kStepsPerNode * 2 * tree_.pairs()) compile_top();
 }
 
 void LazyTree::compile_top() {
   // The plain tree of a mesh stays what it is.
-  if (!frame_ || (context_.mesh != nullptr && !makes_blocks_)) return;
+  if (context_.mesh != nullptr && !makes_blocks_) return;
   if (!kdtree::load(tree_.root()).is_binary()) return;
   if (compiles_top_.exchange(true, std::memory_order_acquire)) return;
   steps_.store(0, std::memory_order_relaxed);
   {
     const kdtree::EpochPin pin;
-    Top top(tree_, is_evictable());
+    Top top(tree_, frame_, is_evictable());
     if (const Node* root = top.node(tree_.root(), tree_.bounds()))
-      tree_.set_top(std::make_unique<wide::WideTree>(*root, frame_->center));
+      tree_.set_top(std::make_unique<wide::WideTree>(*root, geometry::Vec3f{}));
   }
   compiles_top_.store(false, std::memory_order_release);
 }

@@ -48,6 +48,7 @@ bool LazyTree::is_evictable() const {
 
 /// A long list that is divided without room leaves compact ones, an eighth of it.
 bool LazyTree::may_grow(const kdtree::DeferredCell& cell) const {
+  if (is_list_) return false;
   if (tree_.memory() == nullptr || tree_.memory()->may_grow()) return true;
   return is_evictable() && cell.has_list && !cell.list.is_compact() &&
          cell.list.size() >= kdtree::kLongList;

@@ -10,9 +10,9 @@
 
 #include "accel/kdtree/traverse.h"
 #include "accel/lazy/cell_query.h"
-#include "accel/wide/float_rays.h"
 #include "accel/wide/lane_ray.h"
 #include "accel/wide/walk.h"
+#include "accel/wide/wide_tree.h"
 
 namespace sightline::accel::lazy {
 
@@ -26,7 +26,6 @@ inline constexpr std::size_t kSearchStep = 1024;
 ///   void leaf(span<const uint32_t> references, uint32_t lanes)
 ///   void references(span<const Reference>, uint32_t lanes)  a part of a list
 ///   void everything(uint32_t lanes)                         the whole tree, which has no list yet
-///   void finished(const FinishedSubtree&, const LaneRay&, WalkCounters&)  for one ray
 template <class Content>
 class GrowingLeaf {
  public:
@@ -40,17 +39,16 @@ class GrowingLeaf {
         built_(built),
         content_(content) {}
 
-  /// Takes the rays through the tree: together, and those that are too far away for floats alone.
-  void walk(const wide::Prepared& prepared) {
-    if (prepared.live != 0) {
-      // A thread that has renewed its pin may not go on in nodes that are replaced meanwhile.
-      const wide::Child entry = tree_.entry();
-      const bool searched_before =
-          std::exchange(query_.searches_list, query_.searches_list || entry.is_node());
-      wide::walk(packet_, entry, prepared.live, wide::Leaf(*this), walked_);
-      query_.searches_list = searched_before;
-    }
-    each(prepared.slow, [&](std::size_t lane) { go_alone(tree_.root(), lane); });
+  /// Takes the rays through the tree. They are prepared for it (wide::prepare()), or it has no wide
+  /// nodes.
+  void walk(std::uint32_t lanes) {
+    if (lanes == 0) return;
+    // A thread that has renewed its pin may not go on in nodes that are replaced meanwhile.
+    const wide::Child entry = tree_.entry();
+    const bool searched_before =
+        std::exchange(query_.searches_list, query_.searches_list || entry.is_node());
+    wide::walk(packet_, entry, lanes, wide::Leaf(*this), walked_);
+    query_.searches_list = searched_before;
   }
 
   /// See wide::Leaf.
@@ -73,14 +71,13 @@ class GrowingLeaf {
   struct LaneVisit {
     GrowingLeaf& of;
     const wide::LaneRay& ray;
-    kdtree::WalkCounters& walked;
 
     double limit() const { return ray.limit(); }
     bool is_done() const { return of.packet_.left(lanes()) == 0; }
     void leaf(std::span<const std::uint32_t> ids) { of.leaf(ids, lanes()); }
     void finished(const kdtree::FinishedSubtree& subtree) {
-      subtree.last_use.use();
-      of.content_.finished(subtree, ray, walked);
+      const wide::Child root = static_cast<const wide::WideTree&>(subtree).enter();
+      wide::walk(of.packet_, root, lanes(), wide::Leaf(of), of.walked_);
     }
     bool deferred(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell) {
       return of.enter_cell(slot, cell, lanes());
@@ -98,7 +95,7 @@ class GrowingLeaf {
     const wide::LaneRay ray(packet_, lane, tree_.tree().bounds());
     if (!ray.meets()) return;
     kdtree::WalkCounters walked;
-    LaneVisit visit{*this, ray, walked};
+    LaneVisit visit{*this, ray};
     kdtree::walk(tree_.tree(), ray.in_tree(), slot, walked, visit);
     tree_.count_steps(walked.steps);
     packet_.work[lane] += static_cast<std::uint32_t>(walked.steps);

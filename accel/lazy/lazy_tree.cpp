@@ -7,7 +7,6 @@
 #include <new>
 #include <utility>
 
-#include "accel/blocks/frame.h"
 #include "accel/grow/block_subtrees.h"
 #include "accel/grow/fork.h"
 #include "accel/grow/grow.h"
@@ -35,19 +34,10 @@ CellTask& task_of(kdtree::DeferredCell& cell, const ReferenceSource& source) {
   return static_cast<CellTask&>(*work);
 }
 
-/// Nothing if floats are too coarse or too short for the sizes of the tree.
-std::optional<wide::Frame> frame_of(const geometry::Aabb& bounds) {
-  if (bounds.empty()) return std::nullopt;
-  const geometry::Vec3f center = blocks::frame_center(bounds);
-  wide::Frame frame{center, {bounds.lo - center, bounds.hi - center}};
-  const float size = wide::largest_coordinate(frame.bounds);
-  if (!(size >= wide::kLeastSize && size <= wide::kLargestSize)) return std::nullopt;
-  return frame;
-}
-
 bool may_make_blocks(const split::SplitSearch& rule, const geometry::MeshView* mesh,
                      const geometry::Aabb& bounds) {
-  return rule.makes_blocks() && mesh != nullptr && frame_of(bounds);
+  return rule.makes_blocks() && mesh != nullptr && !bounds.empty() &&
+         wide::frame_of(bounds).scale == 1;
 }
 
 /// A budget of references bounds what leaves hold, and with it the number of nodes; the rest is for
@@ -69,8 +59,10 @@ LazyTree::LazyTree(const geometry::Aabb& bounds, std::size_t primitive_count, sp
       source_(std::move(source)),
       primitive_count_(primitive_count),
       context_{rule_, source_, mesh, grow::depth_limit(*rule_, primitive_count)},
-      frame_(frame_of(bounds)),
-      makes_blocks_(may_make_blocks(*rule_, mesh, bounds)) {
+      frame_(wide::frame_of(bounds)),
+      makes_blocks_(may_make_blocks(*rule_, mesh, bounds)),
+      is_list_(rule_->makes_blocks() && mesh != nullptr && !makes_blocks_),
+      complete_(is_list_) {
   if (budget() > 0) tree_.set_capacity(capacity_within(budget(), makes_blocks()));
 }
 

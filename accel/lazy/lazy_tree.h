@@ -5,7 +5,6 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -107,11 +106,11 @@ class LazyTree {
   /// walk reads them. Pinned. Throws std::bad_alloc, and then nothing has changed.
   std::uint64_t evict(const Evictable& piece);
 
-  /// Whether finished cells become leaf blocks: the rule makes them, and there is a frame.
+  /// Whether finished cells become leaf blocks: the rule makes them, and floats can test them in the
+  /// tree's sizes (wide::kLeastSize). Where they cannot, the tree stays the list that it begins as.
   bool makes_blocks() const { return makes_blocks_; }
-  /// What its wide trees are relative to; nothing if floats are too coarse or too short for the
-  /// sizes of the tree (wide::kLeastSize).
-  const std::optional<wide::Frame>& frame() const { return frame_; }
+  /// What its wide trees are relative to. Not for empty bounds.
+  const wide::Frame& frame() const { return frame_; }
 
   /// Where walks of packets begin: at the root, or at wide nodes over it. Pinned.
   wide::Child entry();
@@ -147,7 +146,7 @@ class LazyTree {
                                    const std::atomic<bool>* cancelled) const;
   bool is_eager(const kdtree::DeferredCell& cell) const;
   std::uint64_t cost_of_expanding(const kdtree::DeferredCell& cell) const;
-  const geometry::Vec3f* center() const { return makes_blocks_ ? &frame_->center : nullptr; }
+  const geometry::Vec3f* center() const { return makes_blocks_ ? &frame_.center : nullptr; }
   double budget() const;
   ExpandResult expand_now(kdtree::AtomicSlot& slot, WhenPending when_pending,
                           kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled);
@@ -190,14 +189,14 @@ class LazyTree {
   ReferenceSource source_;
   std::size_t primitive_count_;
   DivideContext context_;
-  std::optional<wide::Frame> frame_;
-  bool makes_blocks_;
+  const wide::Frame frame_;
+  const bool makes_blocks_, is_list_;
   std::atomic<std::uint64_t> steps_{0};  ///< Since the top was compiled.
   std::atomic<std::uint64_t> rays_{0};   ///< See count_rays().
   enum class Known : std::uint8_t { kNot, kNo, kYes };
   mutable std::atomic<Known> overlapping_{Known::kNot};  ///< See is_overlapping().
   std::atomic<bool> compiles_top_{false};
-  std::atomic<bool> complete_{false};
+  std::atomic<bool> complete_;
   std::atomic<std::uint64_t> evicted_{0};  ///< Pieces, so far.
 };
 

@@ -13,18 +13,12 @@
 #include "accel/wide/float_rays.h"
 #include "accel/wide/offer.h"
 #include "accel/wide/walk.h"
-#include "accel/wide/walk_in_doubles.h"
 
 namespace sightline::accel::mesh {
 namespace {
 
 /// From this many triangles on, testing all with the prefilter takes less time than one by one.
 constexpr std::size_t kFilterFrom = 4;
-
-/// Leaf policy of trees that have no slots.
-struct NoSlots {
-  static wide::Child enter(kdtree::AtomicSlot&, std::uint32_t) { return {}; }
-};
 
 }  // namespace
 
@@ -152,34 +146,21 @@ void FaceTests::everything(std::uint32_t lanes) {
   each(lanes, [](FaceTest& test) { test.everything(); });
 }
 
-void FaceTests::finished(const kdtree::FinishedSubtree& subtree, const wide::LaneRay& ray,
-                         kdtree::WalkCounters& walked) {
-  const auto& tree = static_cast<const wide::WideTree&>(subtree);
-  const std::uint32_t lane = 1u << ray.lane();
-  if ((packet_.live & lane) != 0) {
-    NoSlots none;
-    wide::walk(packet_, tree.root(), lane, wide::Leaf(none), walked_);
-  } else {
-    wide::walk_in_doubles(tree, ray.in_tree(), of(ray.lane()), walked);
-  }
-}
-
 void query_faces(lazy::LazyTree& tree, const geometry::MeshView& mesh, wide::Packet& packet,
                  std::uint32_t lanes, lazy::CellQuery& cells, kdtree::WalkCounters& walked,
                  kdtree::BuildCounters& built) {
   packet.live = 0;
-  wide::Prepared prepared{.slow = lanes};
-  if (tree.makes_blocks()) prepared = wide::prepare(packet, *tree.frame(), lanes);
-  if (cells.on_deferred == lazy::OnDeferred::kWait && (prepared.live | prepared.slow) != 0 &&
-      tree.has_paid_for_all()) {
+  const std::uint32_t walking =
+      tree.makes_blocks() ? wide::prepare(packet, tree.frame(), lanes) : lanes;
+  if (cells.on_deferred == lazy::OnDeferred::kWait && walking != 0 && tree.has_paid_for_all()) {
     cells.awaited = {&tree, nullptr};
     packet.stopped = true;
     return;
   }
   tree.count_rays(static_cast<std::uint64_t>(std::popcount(lanes)));
   FaceTests faces(mesh, tree.tree().bounds(), packet, cells, walked);
-  lazy::GrowingLeaf(tree, packet, cells, walked, built, faces).walk(prepared);
-  if (packet.goal == wide::Goal::kNearest && !packet.stopped) wide::settle(packet, prepared.live);
+  lazy::GrowingLeaf(tree, packet, cells, walked, built, faces).walk(walking);
+  if (packet.goal == wide::Goal::kNearest && !packet.stopped) wide::settle(packet, packet.live);
 }
 
 }  // namespace sightline::accel::mesh

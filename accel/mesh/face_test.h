@@ -10,7 +10,6 @@
 
 #include "accel/geometry/triangle_prefilter.h"
 #include "accel/kdtree/box_filter.h"
-#include "accel/kdtree/finished_subtree.h"
 #include "accel/kdtree/walk_counters.h"
 #include "accel/lazy/cell_query.h"
 #include "accel/mesh/runs.h"
@@ -65,8 +64,6 @@ class FaceTests {
   void leaf(std::span<const std::uint32_t> faces, std::uint32_t lanes);
   void references(std::span<const kdtree::Reference> refs, std::uint32_t lanes);
   void everything(std::uint32_t lanes);
-  void finished(const kdtree::FinishedSubtree& subtree, const wide::LaneRay& ray,
-                kdtree::WalkCounters& walked);
 
  private:
   using Tests = std::array<std::optional<FaceTest>, wide::kLanes>;

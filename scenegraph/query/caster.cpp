@@ -127,11 +127,9 @@ void Caster::walk_tree(const instances::OpenTree& tree, accel::kdtree::BuildCoun
   const accel::kdtree::Slot root = accel::kdtree::load(kd.root());
   if (root.is_leaf() && root.leaf_count() == 1) return content.visit_only(root.leaf_first(), lanes);
   lanes = accel::wide::center(given_, tree.instances.center(), lanes, scene_.rays);
-  scene_.live = 0;
-  accel::wide::Prepared prepared{.slow = lanes};
-  if (kd.frame()) prepared = accel::wide::prepare(scene_, *kd.frame(), lanes);
-  if (tree.instances.is_searched()) return content.search_all(prepared.live | prepared.slow);
-  accel::lazy::GrowingLeaf(kd, scene_, cells_, counters_.walked, built, content).walk(prepared);
+  lanes = accel::wide::prepare(scene_, kd.frame(), lanes);
+  if (tree.instances.is_searched()) return content.search_all(lanes);
+  accel::lazy::GrowingLeaf(kd, scene_, cells_, counters_.walked, built, content).walk(lanes);
 }
 
 void Caster::enter(const instances::Instance& instance, std::uint32_t index, std::uint32_t lanes,

@@ -10,9 +10,9 @@
 
 #include "accel/blocks/block.h"
 #include "accel/blocks/frame.h"
-#include "accel/wide/walk_in_doubles.h"
 #include "accel/wide/wide_tree.h"
 #include "tests/support/scenes.h"
+#include "tests/support/walk_in_doubles.h"
 
 namespace sightline::tests {
 
@@ -56,7 +56,7 @@ inline void list_blocks(accel::wide::Child at, const accel::geometry::Aabb& box,
       continue;
     }
     ASSERT_FALSE(ended);
-    const accel::geometry::Aabb child = accel::wide::box_of(node, i, center);
+    const accel::geometry::Aabb child = box_of(node, i, center);
     ASSERT_TRUE(lies_in(child, box));
     ASSERT_NO_FATAL_FAILURE(list_blocks(node.children[i], child, center, out));
   }

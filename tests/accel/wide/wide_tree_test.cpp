@@ -190,7 +190,7 @@ TEST(WideTree, NoRayMeetsAChildThatDoesNotExist) {
     const geometry::LocalRay local = *geometry::make_local_ray({0, 0, 0}, {x, 0, -x});
     kdtree::TreeRay ray;
     ASSERT_TRUE(enter(local, of.bounds, -1, 1, ray));
-    EXPECT_FALSE(may_meet(ray, box_of(node, 2, tree.center()), geometry::kInfinity));
+    EXPECT_FALSE(may_meet(ray, tests::box_of(node, 2, tree.center()), geometry::kInfinity));
   }
 }
 

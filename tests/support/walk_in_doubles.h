@@ -1,5 +1,4 @@
-// The walk of one ray through a wide tree in doubles: for rays that begin too far away for floats,
-// and to check the walks in floats against.
+// The walk of one ray through a wide tree in doubles: for triangle tests other than the product's.
 #pragma once
 
 #include <array>
@@ -10,11 +9,12 @@
 #include "accel/kdtree/walk_counters.h"
 #include "accel/wide/wide_tree.h"
 
-namespace sightline::accel::wide {
+namespace sightline::tests {
 
 /// A child's box in the tree's coordinates. Exact, as the differences to the center are.
-inline geometry::Aabb box_of(const WideNode& node, std::size_t i, const geometry::Vec3f& center) {
-  geometry::Aabb box;
+inline accel::geometry::Aabb box_of(const accel::wide::WideNode& node, std::size_t i,
+                                    const accel::geometry::Vec3f& center) {
+  accel::geometry::Aabb box;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     box.lo[axis] = node.bounds[2 * axis][i] + center[axis];
     box.hi[axis] = node.bounds[2 * axis + 1][i] + center[axis];
@@ -25,22 +25,24 @@ inline geometry::Aabb box_of(const WideNode& node, std::size_t i, const geometry
 /// Calls visit.test(id) for the triangles of all blocks whose boxes the ray may meet before
 /// visit.limit(), until one returns true; then returns true.
 template <class Visit>
-bool walk_in_doubles(const WideTree& tree, const kdtree::TreeRay& ray, Visit& visit,
-                     kdtree::WalkCounters& counters) {
-  std::array<Child, kMostLevels*(kWidth - 1) + 1> stack;
+bool walk_in_doubles(const accel::wide::WideTree& tree, const accel::kdtree::TreeRay& ray,
+                     Visit& visit, accel::kdtree::WalkCounters& counters) {
+  using accel::wide::Child;
+  using accel::wide::kWidth;
+  std::array<Child, accel::wide::kMostLevels*(kWidth - 1) + 1> stack;
   std::size_t waiting = 0;
   stack[waiting++] = tree.root();
   while (waiting > 0) {
     const Child at = stack[--waiting];
     if (at.is_block()) {
-      const blocks::Block block(at.block());
+      const accel::blocks::Block block(at.block());
       for (std::size_t i = 0; i < block.triangles; ++i) {
         if (visit.test(block.id(i))) return true;
       }
       continue;
     }
     ++counters.steps;
-    const WideNode& node = *at.node();
+    const accel::wide::WideNode& node = *at.node();
     for (std::size_t i = 0; i < kWidth && node.children[i]; ++i) {
       if (may_meet(ray, box_of(node, i, tree.center()), visit.limit()))
         stack[waiting++] = node.children[i];
@@ -49,4 +51,4 @@ bool walk_in_doubles(const WideTree& tree, const kdtree::TreeRay& ray, Visit& vi
   return false;
 }
 
-}  // namespace sightline::accel::wide
+}  // namespace sightline::tests
