@@ -210,10 +210,10 @@ class Preparing {
   HWY_INLINE std::uint32_t set_limits() {
     const Rays& rays = packet_.rays;
     const Doubles most = Doubles::set(kLargestT), least = Doubles::set(-kLargestT);
-    const Doubles per_unit =
-        Doubles::set(static_cast<double>(frame_.scale)) / Doubles::load(rays.unit.data());
+    const Doubles per_unit = Doubles::set(1) / Doubles::load(rays.unit.data()),
+                  scale = Doubles::set(static_cast<double>(frame_.scale));
     const auto local = [&](const Doubles& t) {
-      return to_floats(max(least, min(most, t * per_unit - shift_)));
+      return to_floats(max(least, min(most, t * per_unit * scale - shift_)));
     };
     // A hit whose t is too large for a double is none.
     const Doubles tmax =
@@ -272,7 +272,7 @@ std::uint32_t prepare(Packet& packet, const Frame& frame, std::uint32_t lanes) {
 void tighten(Packet& packet, std::size_t lane) {
   FloatRays& floats = packet.floats;
   const double t =
-      packet.best->t[lane] * (packet.scale / packet.rays.unit[lane]) - floats.shift[lane];
+      packet.best->t[lane] / packet.rays.unit[lane] * packet.scale - floats.shift[lane];
   // As in set_limits: up by the rounding to float, and by the slack of t, which is less than that
   // of depths.
   const auto out = static_cast<float>(std::clamp(t, -kLargestT, kLargestT));

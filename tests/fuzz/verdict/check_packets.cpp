@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "accel/blocks/block.h"
+#include "accel/geometry/intersect.h"
 #include "accel/wide/exact.h"
 #include "accel/wide/walk.h"
 
@@ -43,7 +44,7 @@ class PacketCheck {
     if (depth < static_cast<double>(all.best_low[lane])) return "the nearest before its interval";
     if (depth > static_cast<double>(packet_.floats.high[lane]))
       return "the nearest behind its interval";
-    return check_limits(lane, *pair.local);
+    return check_limits(lane, *pair.local, exact_.reach(lane));
   }
 
   std::optional<std::string> check_answer(std::size_t lane) const {
@@ -56,13 +57,17 @@ class PacketCheck {
       return fmt::format("answers t {:a}, node {}, triangle {}, not t {:a}, node {}, triangle {}",
                          answer.t, answer.node, answer.primitive, expected.t, expected.node,
                          expected.primitive);
-    return check_limits(lane, answer.t / exact_.ray(lane).unit);
+    return check_limits(lane, answer.t / exact_.ray(lane).unit, exact_.reach(lane));
   }
 
  private:
-  /// What may still be met includes the best hit itself, so that equal ones are.
-  std::optional<std::string> check_limits(std::size_t lane, double t) const {
-    if (t - packet_.floats.shift[lane] > static_cast<double>(packet_.floats.t_out[lane])) return "t_out before the best hit";
+  /// What may still be met includes the best hit itself, so that equal ones are; where a ray begins
+  /// far away, the exact one.
+  std::optional<std::string> check_limits(std::size_t lane, double t, double reach) const {
+    const double shift = packet_.floats.shift[lane];
+    const double off = shift == 0 ? 0 : accel::geometry::kHitError * reach;
+    if (t - shift - off > static_cast<double>(packet_.floats.t_out[lane]))
+      return "t_out before the best hit";
     return std::nullopt;
   }
 

@@ -67,14 +67,24 @@ class VerdictCheck {
   const wide::FloatRays& floats() const { return packet_.packet->floats; }
   std::size_t main_axis(std::size_t lane) const { return floats().key[lane] >> 3; }
 
+  /// t as floats count it, and how far that may be off the exact hit: near by, less than planes are.
+  double in_floats(std::size_t lane, double t) const { return t - floats().shift[lane]; }
+  double off(std::size_t lane, std::size_t face) const {
+    return floats().shift[lane] == 0
+               ? 0
+               : accel::geometry::kHitError * exact_.pair(lane, face).reach;
+  }
+
   /// No hit is outside of where the ray may meet the tree.
   void check_bounds() {
     const auto all = static_cast<std::uint32_t>((1u << asked_.rays.size()) - 1);
     each_counting(all, [&](std::size_t lane, std::size_t face, double t) {
       expect((live_ >> lane & 1) != 0, "a ray with a hit is not live", lane, face);
-      const double in_floats = t - floats().shift[lane];
-      expect(static_cast<double>(floats().t_in[lane]) <= in_floats, "enters behind a hit", lane, face);
-      expect(static_cast<double>(floats().t_out[lane]) >= in_floats, "leaves before a hit", lane, face);
+      const double at = in_floats(lane, t), rest = off(lane, face);
+      expect(static_cast<double>(floats().t_in[lane]) <= at + rest, "enters behind a hit", lane,
+             face);
+      expect(static_cast<double>(floats().t_out[lane]) >= at - rest, "leaves before a hit", lane,
+             face);
     });
   }
 
@@ -102,8 +112,8 @@ class VerdictCheck {
         for (const std::uint32_t group : {1u << lane, alike(lane)}) {
           const GroupMeeting meeting = meet(*packet_.packet, group, node);
           expect(meeting.met & 1, "a group misses the box of a hit", lane, face);
-          expect(static_cast<double>(meeting.in[0]) <= t - floats().shift[lane], "a group enters behind a hit", lane,
-                 face);
+          expect(static_cast<double>(meeting.in[0]) <= in_floats(lane, t) + off(lane, face),
+                 "a group enters behind a hit", lane, face);
           expect((meeting.met & ~1u) == 0, "a group meets what does not exist", lane, face);
         }
       }
