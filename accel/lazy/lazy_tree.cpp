@@ -61,7 +61,7 @@ LazyTree::LazyTree(const geometry::Aabb& bounds, std::size_t primitive_count, sp
       context_{rule_, source_, mesh, grow::depth_limit(*rule_, primitive_count)},
       frame_(wide::frame_of(bounds)),
       makes_blocks_(may_make_blocks(*rule_, mesh, bounds)),
-      is_list_(rule_->makes_blocks() && mesh != nullptr && !makes_blocks_),
+      is_list_(rule_->makes_blocks() && mesh != nullptr && !bounds.empty() && frame_.scale != 1),
       complete_(is_list_) {
   if (budget() > 0) tree_.set_capacity(capacity_within(budget(), makes_blocks()));
 }

@@ -177,7 +177,8 @@ class Preparing {
     const auto bit = [](std::uint32_t lanes, std::uint32_t value) {
       return Keys::pick(lanes, Keys::set(value), Keys::set(0));
     };
-    (bit(octant_[0], 1) + bit(octant_[1], 2) + bit(octant_[2], 4) + bit(main.y, 8) + bit(main.z, 16))
+    (bit(octant_[0], 1) + bit(octant_[1], 2) + bit(octant_[2], 4) + bit(main.y, 8) +
+     bit(main.z, 16))
         .store(out_.key.data());
     const Floats along = main.pick(direction_, 0), one = Floats::set(1);
     depth_ = abs(along);

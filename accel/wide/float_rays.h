@@ -18,8 +18,8 @@ inline constexpr float kLeastDirection = 0x1p-60f, kSteepError = 2 * kLeastDirec
 /// Bounds what is lost to underflow.
 inline constexpr float kTiny = 0x1p-110f;
 
-/// Sets packet.floats from its rays, best hits and culling, for rays in `lanes`. Returns packet.live:
-/// those of them that may meet the bounds within their limits. Forgets the candidates.
+/// Sets packet.floats from its rays, best hits and culling, for rays in `lanes`. Returns
+/// packet.live: those of them that may meet the bounds within their limits. Forgets the candidates.
 std::uint32_t prepare(Packet& packet, const Frame& frame, std::uint32_t lanes);
 
 /// Lowers the depths that matter to the ray's best hit, after that has changed.

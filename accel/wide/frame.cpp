@@ -11,8 +11,8 @@ namespace {
 float scale_of(float size) {
   const bool is_small = size < kLeastSize;
   const int exponent = std::ilogb(is_small ? kLeastSize : kLargestSize) + (is_small ? 1 : -1);
-  const float known = std::clamp(size, std::numeric_limits<float>::min(),
-                                 std::numeric_limits<float>::max());
+  const float known =
+      std::clamp(size, std::numeric_limits<float>::min(), std::numeric_limits<float>::max());
   return std::ldexp(1.0f, exponent - std::ilogb(known));
 }
 

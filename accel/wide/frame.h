@@ -30,12 +30,12 @@ inline float largest_coordinate(const geometry::Aabb& box) {
   return size;
 }
 
-/// In a frame of these sizes (the largest coordinate of its bounds) float tests neither overflow nor
-/// lose what counts to underflow.
+/// In a frame of these sizes (the largest coordinate of its bounds) float tests neither overflow
+/// nor lose what counts to underflow.
 inline constexpr float kLeastSize = 0x1p-40f, kLargestSize = 0x1p+60f;
 
-/// Of a tree with these bounds, which are not empty. The scale is not 1 only where the size would be
-/// out of range.
+/// Of a tree with these bounds, which are not empty. The scale is not 1 only where the size would
+/// be out of range.
 Frame frame_of(const geometry::Aabb& bounds);
 
 }  // namespace sightline::accel::wide

@@ -130,8 +130,8 @@ struct Packet {
   geometry::Vec3f center;          ///< Of the tree.
   double scale = 1;                ///< Of its frame.
   float extent = 0;                ///< The largest coordinate of the tree's bounds in its frame.
-  std::uint32_t live = 0;  ///< The rays that floats describe; they may meet the tree's bounds.
-  Column<std::uint32_t> work;      ///< Nodes visited and triangles tested, by ray.
+  std::uint32_t live = 0;      ///< The rays that floats describe; they may meet the tree's bounds.
+  Column<std::uint32_t> work;  ///< Nodes visited and triangles tested, by ray.
   std::uint32_t saw_deferred = 0;  ///< Rays that met a cell which was skipped or searched.
   std::uint32_t suspended = 0;     ///< Rays that wait for a cell of the scene's tree.
   bool stopped = false;            ///< All rays wait, or are cancelled: the answers mean nothing.

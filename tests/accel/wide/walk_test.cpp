@@ -194,12 +194,13 @@ std::vector<Ray> from_afar(const MeshAsTree& of, std::size_t count, std::uint64_
     Vec3d d = random.direction();
     if (random.below(2) == 0) d[random.below(3)] = random.below(2) == 0 ? 0.0 : -0.0;
     if (random.below(4) == 0) d = {0, random.below(2) == 0 ? 1.0 : -1.0, 0};
-    const double distances[] = {0x1p+60, 0x1p+61, 0x1.8p+61, 0x1p+63, 0x1p+70,
-                                0x1p+80, 0x1p+108, 0x1p+120, 0x1p+249};
+    const double distances[] = {0x1p+60, 0x1p+61,  0x1.8p+61, 0x1p+63, 0x1p+70,
+                                0x1p+80, 0x1p+108, 0x1p+120,  0x1p+249};
     const double distance = distances[random.below(9)] * random.uniform(0.5, 1.0);
     Ray ray{at - d * distance, d * std::exp2(random.uniform(-300, 300))};
     if (random.below(8) == 0) ray.origin = center - d * (size * 3);
-    if (random.below(4) == 0) ray.origin = ray.origin + random.direction() * (random.uniform() * distance);
+    if (random.below(4) == 0)
+      ray.origin = ray.origin + random.direction() * (random.uniform() * distance);
     if (random.below(3) == 0) ray.tmin = -geometry::kInfinity;
     rays.push_back(ray);
   }

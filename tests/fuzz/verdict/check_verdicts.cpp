@@ -67,12 +67,12 @@ class VerdictCheck {
   const wide::FloatRays& floats() const { return packet_.packet->floats; }
   std::size_t main_axis(std::size_t lane) const { return floats().key[lane] >> 3; }
 
-  /// t as floats count it, and how far that may be off the exact hit: near by, less than planes are.
+  /// t as floats count it, and how far that may be off the exact hit: near by, less than planes
+  /// are.
   double in_floats(std::size_t lane, double t) const { return t - floats().shift[lane]; }
   double off(std::size_t lane, std::size_t face) const {
-    return floats().shift[lane] == 0
-               ? 0
-               : accel::geometry::kHitError * exact_.pair(lane, face).reach;
+    return floats().shift[lane] == 0 ? 0
+                                     : accel::geometry::kHitError * exact_.pair(lane, face).reach;
   }
 
   /// No hit is outside of where the ray may meet the tree.

@@ -40,8 +40,7 @@ ExactAnswers::ExactAnswers(const VerdictCase& asked) : asked_(asked), faces_(ask
 
 double ExactAnswers::reach(std::size_t lane) const {
   double reach = 0;
-  for (std::size_t face = 0; face < faces_; ++face)
-    reach = std::max(reach, pair(lane, face).reach);
+  for (std::size_t face = 0; face < faces_; ++face) reach = std::max(reach, pair(lane, face).reach);
   return reach;
 }
 
