@@ -93,5 +93,29 @@ TEST_P(FarScenes, LeaveMostInstancesOut) {
   EXPECT_LT(steps, 100 * rays.size());
 }
 
+/// They stay lists, whatever is asked for, and rays do not wait for them to grow.
+TEST(FarMeshes, EqualTheOracleHoweverTreesGrow) {
+  std::uint64_t hits = 0;
+  for (const float size : {1e-15f, 1e20f}) {
+    tests::TestMesh mesh = tests::icosphere(2);
+    for (accel::geometry::Vec3f& v : mesh.vertices) v = v * size;
+    for (const Growth growth :
+         {Growth::kFirstTouch, Growth::kDemand, Growth::kNone, Growth::kFull}) {
+      Scene scene;
+      ASSERT_TRUE(scene.apply({tests::put_node(-1, 0, tests::mesh_of(mesh))}));
+      const auto snapshot = scene.snapshot();
+      const std::vector<Ray> rays = rays_at(static_cast<double>(size), 2, 200, 9);
+      TraceOptions options;
+      options.growth = growth;
+      const tests::KindAnswers answers = tests::ask_all_kinds(*snapshot, rays, options);
+      const tests::KindComparison compared =
+          tests::compare_kinds(rays, answers, tests::BruteForce(snapshot), {});
+      EXPECT_EQ(compared.mismatches, 0u) << compared.report();
+      hits += compared.hits;
+    }
+  }
+  EXPECT_GT(hits, 1000u);
+}
+
 }  // namespace
 }  // namespace sightline::scenegraph
