@@ -91,9 +91,10 @@ class Preparing {
 
  private:
   HWY_INLINE void set_from(std::size_t axis) {
-    from_[axis] = (Doubles::load(packet_.rays.origin[axis].data()) -
-                   Doubles::set(static_cast<double>(frame_.center[axis]))) *
-                  Doubles::set(static_cast<double>(frame_.scale));
+    from_[axis] = Doubles::load(packet_.rays.origin[axis].data()) -
+                  Doubles::set(static_cast<double>(frame_.center[axis]));
+    if (frame_.scale != 1)
+      from_[axis] = from_[axis] * Doubles::set(static_cast<double>(frame_.scale));
     far_ |= abs(from_[axis]) > Doubles::set(kFar);
   }
 
@@ -213,8 +214,10 @@ class Preparing {
     const Doubles most = Doubles::set(kLargestT), least = Doubles::set(-kLargestT);
     const Doubles per_unit = Doubles::set(1) / Doubles::load(rays.unit.data()),
                   scale = Doubles::set(static_cast<double>(frame_.scale));
+    const bool is_moved = far_ != 0 || frame_.scale != 1;
     const auto local = [&](const Doubles& t) {
-      return to_floats(max(least, min(most, t * per_unit * scale - shift_)));
+      const Doubles at = t * per_unit;
+      return to_floats(max(least, min(most, is_moved ? at * scale - shift_ : at)));
     };
     // A hit whose t is too large for a double is none.
     const Doubles tmax =
