@@ -8,6 +8,7 @@
 #include "accel/geometry/triangle_mesh.h"
 #include "accel/kdtree/kd_tree.h"
 #include "accel/split/split_search.h"
+#include "accel/wide/frame.h"
 
 namespace sightline::accel::grow {
 
@@ -16,7 +17,7 @@ struct GrowContext {
   kdtree::KdTree& tree;
   const split::SplitSearch& rule;
   const geometry::MeshView* mesh = nullptr;  ///< What the references are faces of; null: others.
-  geometry::Vec3f center;                    ///< Of the tree's bounds (blocks/frame.h).
+  const wide::Frame& frame;                  ///< Of the tree.
   int max_depth = 0;
   /// Once true, cells of kForkFrom references or more that are not begun stay deferred.
   const std::atomic<bool>* cancelled = nullptr;

@@ -21,7 +21,7 @@ geometry::Aabb common(geometry::Aabb a, const geometry::Aabb& b) {
 }  // namespace
 
 Subtrees::Subtrees(const GrowContext& context) : context_(context), held_(context.tree) {
-  if (context.mesh != nullptr) builder_.emplace(*context.mesh, context.center);
+  if (context.mesh != nullptr) builder_.emplace(*context.mesh, context.frame.center);
 }
 
 Subtrees::~Subtrees() {
@@ -44,7 +44,7 @@ const blocks::Node* Subtrees::list(std::span<const kdtree::Reference> refs,
   *words = static_cast<std::uint32_t>(refs.size());
   for (const kdtree::Reference& ref : refs) {
     *++words = ref.id;
-    leaf->box.grow(common(ref.bounds(), cell));
+    leaf->box.grow(in_frame(context_.frame, common(ref.bounds(), cell)));
   }
   return leaf;
 }
@@ -54,7 +54,7 @@ Grown Subtrees::leave_over(std::span<const kdtree::Reference> refs, const geomet
   kdtree::ReferenceList list(refs.size());
   std::copy(refs.begin(), refs.end(), list.all().begin());
   owned_.reserve(owned_.size() + 1);
-  return own(context_.tree.leave_over(std::move(list), cell, path), cell);
+  return own(context_.tree.leave_over(std::move(list), cell, path), in_frame(context_.frame, cell));
 }
 
 Grown Subtrees::own(kdtree::Slot slot, const geometry::Aabb& box) {
@@ -74,8 +74,8 @@ Grown Subtrees::join(const Grown& left, const Grown& right) {
   geometry::Aabb box;
   for (std::size_t i = 0; i < 2; ++i) {
     const Grown& side = i == 0 ? left : right;
-    const geometry::Aabb& of_side = side.node != nullptr ? side.node->box : side.box;
-    node->set_box(i, of_side, context_.center);
+    const geometry::Aabb of_side = side.node != nullptr ? box_of(*side.node) : side.box;
+    node->set_box(i, of_side);
     box.grow(of_side);
     const kdtree::Slot below = slot_of(side);
     std::erase(owned_, below);
@@ -84,10 +84,16 @@ Grown Subtrees::join(const Grown& left, const Grown& right) {
   return {.slot = kdtree::Slot::node(node), .box = box};
 }
 
+geometry::Aabb Subtrees::box_of(const blocks::Node& node) const {
+  return builder_ ? in_frame(context_.frame, node.box) : node.box;
+}
+
 kdtree::Slot Subtrees::slot_of(const Grown& grown) {
   if (grown.node == nullptr) return grown.slot;
-  const auto kind = builder_ ? wide::LeafKind::kBlocks : wide::LeafKind::kLists;
-  return context_.tree.finish(std::make_unique<wide::WideTree>(*grown.node, context_.center, kind));
+  auto tree = builder_ ? std::make_unique<wide::WideTree>(*grown.node, context_.frame.center)
+                       : std::make_unique<wide::WideTree>(*grown.node, geometry::Vec3f{},
+                                                          wide::LeafKind::kLists);
+  return context_.tree.finish(std::move(tree));
 }
 
 kdtree::Slot Subtrees::compile(const Grown& all) {
@@ -99,7 +105,7 @@ kdtree::Slot Subtrees::compile(const Grown& all) {
     slot = slot_of(all);
   } else {
     const std::size_t kept = arena_.bytes_of_words();
-    auto tree = std::make_unique<wide::WideTree>(*all.node, context_.center, arena_.take_words());
+    auto tree = std::make_unique<wide::WideTree>(*all.node, context_.frame.center, arena_.take_words());
     held_.shrink(held_.bytes() - std::min<std::uint64_t>(kept, held_.bytes()));
     slot = context_.tree.finish(std::move(tree));
   }

@@ -16,7 +16,7 @@ namespace sightline::accel::grow {
 struct Grown {
   const blocks::Node* node = nullptr;
   kdtree::Slot slot{};
-  geometry::Aabb box{};  ///< Of the slot.
+  geometry::Aabb box{};  ///< Of the slot, in the tree's frame.
 
   bool is_empty() const { return node == nullptr && !slot; }
 };
@@ -25,7 +25,7 @@ struct Grown {
 inline constexpr std::size_t kBlockCell = 512;
 
 /// The finished cells of one task, in an arena that counts as held by the tree. Faces end in leaf
-/// blocks, other references in lists. Threads: one.
+/// blocks; other references in lists, whose boxes are in the tree's frame. Threads: one.
 class Subtrees {
  public:
   explicit Subtrees(const GrowContext& context);
@@ -53,6 +53,7 @@ class Subtrees {
   void take_over(Subtrees& other);
 
  private:
+  geometry::Aabb box_of(const blocks::Node& node) const;
   kdtree::Slot slot_of(const Grown& grown);
   Grown own(kdtree::Slot slot, const geometry::Aabb& box);
   const blocks::Node* list(std::span<const kdtree::Reference> refs, const geometry::Aabb& cell);

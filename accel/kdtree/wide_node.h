@@ -12,7 +12,7 @@ namespace sightline::accel::kdtree {
 
 inline constexpr std::size_t kWidth = 8;
 
-/// Boxes are minus the center of their tree (blocks::frame_center). The box of a child that does
+/// Boxes are in the frame of their tree (wide::Frame). The box of a child that does
 /// not exist begins at +inf and ends at -inf, so that no ray meets it. Children that exist come
 /// first. The boxes never change once other threads see the node; children that are not finished
 /// do.
@@ -34,12 +34,10 @@ struct alignas(64) WideNode {
   geometry::Aabb box(std::size_t i) const {
     return {{bounds[0][i], bounds[2][i], bounds[4][i]}, {bounds[1][i], bounds[3][i], bounds[5][i]}};
   }
-  /// `box` is in the tree's coordinates, within its bounds: the differences are exact.
-  void set_box(std::size_t i, const geometry::Aabb& box, const geometry::Vec3f& center) {
-    const auto relative = [](float v, float c) { return c == 0 ? v : v - c; };  // keeps denormals
+  void set_box(std::size_t i, const geometry::Aabb& box) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      bounds[2 * axis][i] = relative(box.lo[axis], center[axis]);
-      bounds[2 * axis + 1][i] = relative(box.hi[axis], center[axis]);
+      bounds[2 * axis][i] = box.lo[axis];
+      bounds[2 * axis + 1][i] = box.hi[axis];
     }
   }
 };

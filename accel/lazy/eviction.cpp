@@ -48,6 +48,7 @@ bool LazyTree::is_evictable() const {
 
 /// A long list that is divided without room leaves compact ones, an eighth of it.
 bool LazyTree::may_grow(const kdtree::DeferredCell& cell) const {
+  if (is_list_) return false;
   if (tree_.memory() == nullptr || tree_.memory()->may_grow()) return true;
   return is_evictable() && cell.has_list && !cell.list.is_compact() &&
          cell.list.size() >= kdtree::kLongList;
@@ -86,7 +87,7 @@ void LazyTree::list_evictable(kdtree::AtomicSlot& slot, const geometry::Aabb& ce
     // A cell's own box is in its list; that of a finished one is its box in the node.
     for (std::size_t i = 0; i < kdtree::kWidth; ++i) {
       const geometry::Aabb box = now.node()->box(i);
-      const geometry::Vec3f& center = frame_->center;
+      const geometry::Vec3f& center = frame_.center;
       list_evictable(now.node()->slot(i), {box.lo + center, box.hi + center}, depth + 1, found);
     }
   }

@@ -10,6 +10,7 @@
 
 #include "accel/lazy/cell_query.h"
 #include "accel/wide/walk.h"
+#include "accel/wide/wide_tree.h"
 
 namespace sightline::accel::lazy {
 
@@ -31,7 +32,7 @@ class GrowingLeaf {
               kdtree::BuildCounters& built, Content& content)
       : tree_(tree), packet_(packet), query_(query), built_(built), content_(content), walked_(walked) {}
 
-  /// Takes the rays through the tree.
+  /// Takes the rays through the tree. They are prepared for it (wide::prepare()), or it stays a list.
   void walk(std::uint32_t lanes) {
     if (lanes != 0)
       wide::walk(packet_, wide::Child::at(tree_.root()), lanes, wide::Leaf(*this), walked_);

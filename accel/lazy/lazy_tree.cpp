@@ -7,7 +7,6 @@
 #include <new>
 #include <utility>
 
-#include "accel/blocks/frame.h"
 #include "accel/grow/subtrees.h"
 #include "accel/grow/fork.h"
 #include "accel/grow/grow.h"
@@ -21,6 +20,11 @@
 
 namespace sightline::accel::lazy {
 namespace {
+
+/// Faces end in leaf blocks, unless floats are too coarse or too short for their sizes.
+bool may_make_blocks(const geometry::MeshView* mesh, const geometry::Aabb& bounds) {
+  return mesh != nullptr && !bounds.empty() && wide::frame_of(bounds).scale == 1;
+}
 
 bool is_large(const kdtree::DeferredCell& cell) {
   return !cell.has_list || cell.list.sliced() != nullptr;
@@ -36,19 +40,6 @@ CellTask& task_of(kdtree::DeferredCell& cell, const ReferenceSource& source) {
   return static_cast<CellTask&>(*work);
 }
 
-/// Nothing if floats are too coarse or too short for the sizes of the tree.
-std::optional<wide::Frame> frame_of(const geometry::Aabb& bounds) {
-  if (bounds.empty()) return std::nullopt;
-  const geometry::Vec3f center = blocks::frame_center(bounds);
-  wide::Frame frame{center, {bounds.lo - center, bounds.hi - center}};
-  const float size = wide::largest_coordinate(frame.bounds);
-  if (!(size >= wide::kLeastSize && size <= wide::kLargestSize)) return std::nullopt;
-  return frame;
-}
-
-bool may_make_blocks(const geometry::MeshView* mesh,
-                     const geometry::Aabb& bounds) {
-  return mesh != nullptr && frame_of(bounds);
 }
 
 }  // namespace
@@ -63,8 +54,10 @@ LazyTree::LazyTree(const geometry::Aabb& bounds, std::size_t primitive_count, sp
       source_(std::move(source)),
       primitive_count_(primitive_count),
       context_{rule_, source_, mesh, grow::depth_limit(*rule_, primitive_count)},
-      frame_(frame_of(bounds)),
-      makes_blocks_(may_make_blocks(mesh, bounds)) {}
+      frame_(wide::frame_of(bounds)),
+      makes_blocks_(may_make_blocks(mesh, bounds)),
+      is_list_(mesh != nullptr && !bounds.empty() && !makes_blocks_),
+      complete_(is_list_) {}
 
 double LazyTree::budget() const { return rule_->budget(makes_blocks()); }
 
@@ -239,7 +232,7 @@ kdtree::Slot LazyTree::defer(NewCell now, bool compact) {
 }
 
 grow::GrowContext LazyTree::grow_context(const std::atomic<bool>* cancelled) {
-  return {tree_, *rule_, context_.mesh, frame_->center, context_.max_depth, cancelled};
+  return {tree_, *rule_, context_.mesh, frame_, context_.max_depth, cancelled};
 }
 
 kdtree::Slot LazyTree::make_slot(Division division, const kdtree::DeferredCell& cell) {
@@ -264,10 +257,10 @@ kdtree::Slot LazyTree::make_node(Division& division) {
   std::size_t children = 0;
   try {
     for (NewCell& cell : division.cells) {
-      const geometry::Aabb box = cell.box;
+      const geometry::Aabb box = in_frame(frame_, cell.box);
       const kdtree::Slot slot = defer(std::move(cell), division.compact);
       if (slot == kdtree::Slot::empty_list()) continue;
-      node->set_box(children, box, frame_->center);
+      node->set_box(children, box);
       node->children[children++].store(slot.bits(), std::memory_order_relaxed);
     }
   } catch (const std::bad_alloc&) {

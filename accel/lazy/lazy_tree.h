@@ -5,7 +5,6 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -106,11 +105,12 @@ class LazyTree {
   /// walk reads them. Pinned. Throws std::bad_alloc, and then nothing has changed.
   std::uint64_t evict(const Evictable& piece);
 
-  /// Whether finished cells become leaf blocks: the rule makes them, and there is a frame.
+  /// Whether finished cells become leaf blocks: the rule makes them, and floats can test them in
+  /// the tree's sizes (wide::kLeastSize). Where they cannot, the tree stays the list that it begins
+  /// as.
   bool makes_blocks() const { return makes_blocks_; }
-  /// What its wide trees are relative to; nothing if floats are too coarse or too short for the
-  /// sizes of the tree (wide::kLeastSize).
-  const std::optional<wide::Frame>& frame() const { return frame_; }
+  /// What its wide trees are relative to. Not for empty bounds.
+  const wide::Frame& frame() const { return frame_; }
 
   /// The reference of a tree that is one list of one; nothing for other trees. Pinned.
   std::optional<std::uint32_t> only() const;
@@ -184,12 +184,12 @@ class LazyTree {
   ReferenceSource source_;
   std::size_t primitive_count_;
   DivideContext context_;
-  std::optional<wide::Frame> frame_;
-  bool makes_blocks_;
-  std::atomic<std::uint64_t> rays_{0};   ///< See count_rays().
+  const wide::Frame frame_;
+  const bool makes_blocks_, is_list_;
+  std::atomic<std::uint64_t> rays_{0};  ///< See count_rays().
   enum class Known : std::uint8_t { kNot, kNo, kYes };
   mutable std::atomic<Known> overlapping_{Known::kNot};  ///< See is_overlapping().
-  std::atomic<bool> complete_{false};
+  std::atomic<bool> complete_;
   std::atomic<std::uint64_t> evicted_{0};  ///< Pieces, so far.
 };
 

@@ -149,8 +149,8 @@ void FaceTests::everything(std::uint32_t lanes) {
 void query_faces(lazy::LazyTree& tree, const geometry::MeshView& mesh, wide::Packet& packet,
                  std::uint32_t lanes, lazy::CellQuery& cells, kdtree::WalkCounters& walked,
                  kdtree::BuildCounters& built) {
-  if (tree.frame()) {
-    lanes = wide::prepare(packet, *tree.frame(), lanes).live;
+  if (tree.makes_blocks()) {
+    lanes = wide::prepare(packet, tree.frame(), lanes);
   } else {
     packet.live = 0;
   }

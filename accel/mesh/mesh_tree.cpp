@@ -44,7 +44,7 @@ wide::PencilLanes MeshTree::query_pencil(std::span<wide::Packet> packets,
                                          kdtree::WalkCounters& walked) {
   auto* tree = std::get_if<lazy::LazyTree>(&tree_);
   if (tree == nullptr || !tree->makes_blocks()) return {};
-  return wide::walk_pencil(packets, *tree->frame(), wide::Child::at(tree->root()), lanes, walked);
+  return wide::walk_pencil(packets, tree->frame(), wide::Child::at(tree->root()), lanes, walked);
 }
 
 void MeshTree::query_whole(WholeTree& tree, FaceTest& test, const lazy::CellQuery& cells,

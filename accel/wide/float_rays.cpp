@@ -16,6 +16,14 @@
 
 #include "accel/wide/lanes-inl.h"
 
+#ifndef SIGHTLINE_WIDE_LARGEST_T
+#define SIGHTLINE_WIDE_LARGEST_T
+namespace sightline::accel::wide {
+/// Greater than any t, from the origins that floats have, at which a tree can be met.
+constexpr double kLargestT = 0x1p+100;
+}  // namespace sightline::accel::wide
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace sightline::accel::wide {
 namespace HWY_NAMESPACE {
@@ -23,18 +31,29 @@ namespace HWY_NAMESPACE {
 using Doubles = Lanes<double, kLanes>;
 using Floats = Lanes<float, kLanes>;
 
-/// From this far away on, float tests could overflow.
+/// From this far away on, float tests could overflow: the ray is followed to the tree.
 constexpr double kFar = 0x1p+61;
-/// Greater than any t at which a triangle can be met from less than kFar away.
-constexpr double kLargestT = 0x1p+100;
-
+/// Then its origin is off by at most this share of the distance.
+constexpr double kShiftError = 0x1p-50;
+/// Where that is more than this, floats know nothing of the ray. It counts as off by far more than
+/// any size, so that nothing is certain.
+constexpr double kMostOff = 0x1p+58, kBlindOff = 0x1p+64;
 /// By the axis of the direction's largest component.
 struct MainAxis {
   std::uint32_t y, z;
 
+  template <class Numbers>
+  HWY_INLINE explicit MainAxis(const std::array<Numbers, 3>& direction) {
+    const Numbers along_x = abs(direction[0]), along_y = abs(direction[1]),
+                  along_z = abs(direction[2]);
+    z = along_z > max(along_x, along_y);
+    y = (along_y > along_x) & ~z;
+  }
+
   /// v[first], v[first + 1] or v[first + 2], cyclically, for main axis x, y or z.
-  HWY_INLINE Floats pick(const std::array<Floats, 3>& v, std::size_t first) const {
-    return Floats::pick(z, v[(first + 2) % 3], Floats::pick(y, v[(first + 1) % 3], v[first]));
+  template <class Numbers>
+  HWY_INLINE Numbers pick(const std::array<Numbers, 3>& v, std::size_t first) const {
+    return Numbers::pick(z, v[(first + 2) % 3], Numbers::pick(y, v[(first + 1) % 3], v[first]));
   }
 };
 
@@ -50,25 +69,68 @@ class Preparing {
   HWY_INLINE Preparing(Packet& packet, const Frame& frame)
       : packet_(packet), frame_(frame), out_(packet.floats) {}
 
-  HWY_INLINE Prepared prepare(std::uint32_t lanes) {
+  HWY_INLINE std::uint32_t prepare(std::uint32_t lanes) {
+    for (std::size_t axis = 0; axis < 3; ++axis) set_from(axis);
+    far_ = lanes & (frame_.is_boundless ? Doubles::kAll : far_);
+    packet_.extent = largest_coordinate(frame_.bounds);
+    if (far_ != 0) shift();
+    shift_.store(out_.shift.data());
+    off_.store(out_.off.data());
     for (std::size_t axis = 0; axis < 3; ++axis) set_origin(axis);
     for (std::size_t axis = 0; axis < 3; ++axis) set_planes(axis);
     set_main_axis();
+    if (far_ != 0) set_far_distance();
     const std::uint32_t meet = set_limits();
     packet_.center = frame_.center;
-    packet_.extent = largest_coordinate(frame_.bounds);
+    packet_.scale = static_cast<double>(frame_.scale);
     packet_.candidates.has_best = 0;
     packet_.candidates.count.fill(0);
-    packet_.live = lanes & meet & ~far_away_;
-    return {.live = packet_.live, .slow = lanes & far_away_};
+    packet_.live = lanes & meet & ~beside_;
+    return packet_.live;
   }
 
  private:
+  HWY_INLINE void set_from(std::size_t axis) {
+    from_[axis] = Doubles::load(packet_.rays.origin[axis].data()) -
+                  Doubles::set(static_cast<double>(frame_.center[axis]));
+    if (frame_.scale != 1)
+      from_[axis] = from_[axis] * Doubles::set(static_cast<double>(frame_.scale));
+    far_ |= abs(from_[axis]) > Doubles::set(kFar);
+  }
+
+  /// Follows far rays to the plane through the center that is across their largest component. A ray
+  /// that is then still far away does not meet the tree.
+  HWY_INLINE void shift() {
+    std::array<Doubles, 3> direction;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      direction[axis] = Doubles::load(packet_.rays.direction[axis].data());
+    const MainAxis main(direction);
+    const Doubles zero = Doubles::set(0);
+    shift_ = Doubles::pick(far_, neg(main.pick(from_, 0) / main.pick(direction, 0)), zero);
+    const Doubles most = max(max(abs(from_[0]), abs(from_[1])), abs(from_[2]));
+    const Doubles off = most * Doubles::set(kShiftError);
+    blind_ = frame_.is_boundless ? far_ : far_ & (off > Doubles::set(kMostOff));
+    const Doubles least_beside = Doubles::set(kFar) + (off + off);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const Doubles moved = mul_add(shift_, direction[axis], from_[axis]);
+      beside_ |= far_ & ~blind_ & (abs(moved) > least_beside);
+      from_[axis] = Doubles::pick(blind_ | beside_, zero, Doubles::pick(far_, moved, from_[axis]));
+    }
+    const Doubles known = Doubles::pick(blind_, Doubles::set(kBlindOff), off);
+    off_ = to_floats(Doubles::pick(far_, known, zero));
+    far_distance_ = to_floats(Doubles::pick(blind_, zero, most)) + Floats::set(packet_.extent);
+  }
+
+  /// Hits are at distances from where the ray begins. Of the blind no limit is known.
+  HWY_INLINE void set_far_distance() {
+    const Floats unknown = Floats::set(std::numeric_limits<float>::infinity());
+    distance_ = Floats::pick(far_, Floats::pick(blind_, unknown, far_distance_), distance_);
+    t_in_ = Floats::pick(blind_, neg(unknown), t_in_);
+    t_out_ = Floats::pick(blind_, unknown, t_out_);
+  }
+
   HWY_INLINE void set_origin(std::size_t axis) {
-    const Doubles from = Doubles::load(packet_.rays.origin[axis].data()) -
-                         Doubles::set(static_cast<double>(frame_.center[axis]));
-    far_away_ |= abs(from) > Doubles::set(kFar);
-    const Floats o = to_floats(from), size = abs(o), reach = reach_from(o, axis);
+    const Floats o = to_floats(from_[axis]), size = abs(o), reach = reach_from(o, axis);
     o.store(out_.origin[axis].data());
     origin_[axis] = o;
     most_origin_ = axis == 0 ? size : max(most_origin_, size);
@@ -93,7 +155,7 @@ class Preparing {
     const Floats bounded = Floats::pick(
         abs(d) < least, Floats::pick(negative, Floats::set(-kLeastDirection), least), d);
     const Floats inverse = Floats::set(1) / bounded;
-    const Floats steep = mul_add(distance_, Floats::set(kSteepError), Floats::set(kTiny));
+    const Floats steep = mul_add(distance_, Floats::set(kSteepError), Floats::set(kTiny)) + off_;
     const Floats error =
         abs(inverse) * mul_add(abs(o) + reach_from(o, axis), Floats::set(kPlaneError), steep);
     const Floats at_origin = o * inverse, zero = Floats::set(0);
@@ -111,14 +173,13 @@ class Preparing {
   }
 
   HWY_INLINE void set_main_axis() {
-    const Floats x = abs(direction_[0]), y = abs(direction_[1]), z = abs(direction_[2]);
-    const std::uint32_t is_z = z > max(x, y), is_y = (y > x) & ~is_z;
-    const MainAxis main{is_y, is_z};
+    const MainAxis main(direction_);
     using Keys = Lanes<std::uint32_t, kLanes>;
     const auto bit = [](std::uint32_t lanes, std::uint32_t value) {
       return Keys::pick(lanes, Keys::set(value), Keys::set(0));
     };
-    (bit(octant_[0], 1) + bit(octant_[1], 2) + bit(octant_[2], 4) + bit(is_y, 8) + bit(is_z, 16))
+    (bit(octant_[0], 1) + bit(octant_[1], 2) + bit(octant_[2], 4) + bit(main.y, 8) +
+     bit(main.z, 16))
         .store(out_.key.data());
     const Floats along = main.pick(direction_, 0), one = Floats::set(1);
     depth_ = abs(along);
@@ -131,7 +192,9 @@ class Preparing {
     (main.pick(direction_, 1) * per).store(out_.shear_x.data());
     (main.pick(direction_, 2) * per).store(out_.shear_y.data());
     (per * Floats::set(1 + 0x1p-21f)).store(out_.per_depth.data());
-    mul_add(most_origin_, Floats::set(0x1.1p-23f), Floats::set(kTiny)).store(out_.error.data());
+    mul_add(off_, Floats::set(0x1.1p+1f),
+            mul_add(most_origin_, Floats::set(0x1.1p-23f), Floats::set(kTiny)))
+        .store(out_.error.data());
     set_culling(sign);
   }
 
@@ -149,9 +212,12 @@ class Preparing {
   HWY_INLINE std::uint32_t set_limits() {
     const Rays& rays = packet_.rays;
     const Doubles most = Doubles::set(kLargestT), least = Doubles::set(-kLargestT);
-    const Doubles per_unit = Doubles::set(1) / Doubles::load(rays.unit.data());
+    const Doubles per_unit = Doubles::set(1) / Doubles::load(rays.unit.data()),
+                  scale = Doubles::set(static_cast<double>(frame_.scale));
+    const bool is_moved = far_ != 0 || frame_.scale != 1;
     const auto local = [&](const Doubles& t) {
-      return to_floats(max(least, min(most, t * per_unit)));
+      const Doubles at = t * per_unit;
+      return to_floats(max(least, min(most, is_moved ? at * scale - shift_ : at)));
     };
     // A hit whose t is too large for a double is none.
     const Doubles tmax =
@@ -178,13 +244,19 @@ class Preparing {
   Packet& packet_;
   const Frame& frame_;
   FloatRays& out_;
+  std::array<Doubles, 3> from_;  // the origins that floats round
+  Doubles shift_ = Doubles::set(0);
+  Floats off_ = Floats::set(0), far_distance_;
   std::array<Floats, 3> origin_, direction_;
   std::array<std::uint32_t, 3> octant_{};
   Floats most_origin_, distance_, t_in_, t_out_, depth_;
-  std::uint32_t far_away_ = 0, backward_ = 0;
+  std::uint32_t backward_ = 0;
+  // Of rays that begin far away: all, those that pass beside the tree, and those of which floats
+  // know nothing.
+  std::uint32_t far_ = 0, beside_ = 0, blind_ = 0;
 };
 
-Prepared prepare_packet(Packet& packet, const Frame& frame, std::uint32_t lanes) {
+std::uint32_t prepare_packet(Packet& packet, const Frame& frame, std::uint32_t lanes) {
   return Preparing(packet, frame).prepare(lanes);
 }
 
@@ -197,16 +269,17 @@ namespace sightline::accel::wide {
 
 HWY_EXPORT(prepare_packet);
 
-Prepared prepare(Packet& packet, const Frame& frame, std::uint32_t lanes) {
+std::uint32_t prepare(Packet& packet, const Frame& frame, std::uint32_t lanes) {
   return HWY_DYNAMIC_DISPATCH(prepare_packet)(packet, frame, lanes);
 }
 
 void tighten(Packet& packet, std::size_t lane) {
   FloatRays& floats = packet.floats;
-  const double t = packet.best->t[lane] / packet.rays.unit[lane];
+  const double t =
+      packet.best->t[lane] / packet.rays.unit[lane] * packet.scale - floats.shift[lane];
   // As in set_limits: up by the rounding to float, and by the slack of t, which is less than that
   // of depths.
-  const auto out = static_cast<float>(t);
+  const auto out = static_cast<float>(std::clamp(t, -kLargestT, kLargestT));
   const float t_out = out + std::fabs(out) * 0x1p-23f + floats.slack[lane] * 0x1p-6f;
   floats.t_out[lane] = std::min(floats.t_out[lane], t_out);
   const float depth = t_out / floats.per_depth[lane];

@@ -18,14 +18,9 @@ inline constexpr float kLeastDirection = 0x1p-60f, kSteepError = 2 * kLeastDirec
 /// Bounds what is lost to underflow.
 inline constexpr float kTiny = 0x1p-110f;
 
-struct Prepared {
-  std::uint32_t live = 0;  ///< The rays that may meet the bounds within their limits.
-  std::uint32_t slow = 0;  ///< Those of them whose origin is too far away for floats.
-};
-
-/// Sets packet.floats from its rays, best hits and culling, for rays in `lanes`, and packet.live.
-/// Forgets the candidates.
-Prepared prepare(Packet& packet, const Frame& frame, std::uint32_t lanes);
+/// Sets packet.floats from its rays, best hits and culling, for rays in `lanes`. Returns
+/// packet.live: those of them that may meet the bounds within their limits. Forgets the candidates.
+std::uint32_t prepare(Packet& packet, const Frame& frame, std::uint32_t lanes);
 
 /// Lowers the depths that matter to the ray's best hit, after that has changed.
 void tighten(Packet& packet, std::size_t lane);

@@ -9,11 +9,18 @@
 
 namespace sightline::accel::wide {
 
-/// What a tree's bounds are to floats. The bounds are minus the center.
+/// What a tree's bounds are to floats: minus the center, times a power of two, which is 1 for trees
+/// with leaf blocks.
 struct Frame {
   geometry::Vec3f center;
   geometry::Aabb bounds;
+  float scale = 1;
+  bool is_boundless = false;  ///< The tree's bounds are infinite.
 };
+
+inline geometry::Aabb in_frame(const Frame& frame, const geometry::Aabb& box) {
+  return {(box.lo - frame.center) * frame.scale, (box.hi - frame.center) * frame.scale};
+}
 
 /// The maximum norm of a box.
 inline float largest_coordinate(const geometry::Aabb& box) {
@@ -23,8 +30,12 @@ inline float largest_coordinate(const geometry::Aabb& box) {
   return size;
 }
 
-/// A tree within these sizes (largest coordinate of its bounds minus the center) may be compiled:
-/// float tests neither overflow nor lose what counts to underflow.
+/// In a frame of these sizes (the largest coordinate of its bounds) float tests neither overflow
+/// nor lose what counts to underflow.
 inline constexpr float kLeastSize = 0x1p-40f, kLargestSize = 0x1p+60f;
+
+/// Of a tree with these bounds, which are not empty. The scale is not 1 only where the size would
+/// be out of range.
+Frame frame_of(const geometry::Aabb& bounds);
 
 }  // namespace sightline::accel::wide

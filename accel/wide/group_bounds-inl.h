@@ -45,6 +45,7 @@ class GroupBoxes {
     const std::uint32_t key = rays.key[static_cast<std::size_t>(std::countr_zero(group))];
     std::array<Range, 3> origins;
     float farthest = extent;
+    const float off = range_of(rays.off, group).hi;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       origins[axis] = range_of(rays.origin[axis], group);
       farthest = std::max(farthest, extent + largest(origins[axis]));
@@ -52,7 +53,7 @@ class GroupBoxes {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const Range origin = origins[axis], inverse = range_of(rays.inverse[axis], group);
       const float error =
-          (2 * largest(origin) + extent) * kPlaneError + farthest * kSteepError + kTiny;
+          (2 * largest(origin) + extent) * kPlaneError + farthest * kSteepError + kTiny + off;
       backward_[axis] = (key >> axis & 1) != 0;
       row_[axis] = 2 * axis + (key >> axis & 1);
       lo_[axis] = Boxes::set(origin.lo - error);

@@ -28,7 +28,10 @@ class LaneRay {
   const kdtree::TreeRay& in_tree() const { return in_tree_; }
   /// The t beyond which nothing matters any more, widened by the slack.
   double limit() const {
-    if ((packet_.live >> lane_ & 1) != 0) return static_cast<double>(packet_.floats.t_out[lane_]);
+    if ((packet_.live >> lane_ & 1) != 0) {
+      const double t_out = static_cast<double>(packet_.floats.t_out[lane_]);
+      return (t_out + packet_.floats.shift[lane_]) / packet_.scale;
+    }
     return packet_.best->t[lane_] / local_.unit + in_tree_.slack;
   }
 

@@ -55,10 +55,14 @@ struct BestHits {
   }
 };
 
-/// What floats know of the rays, relative to a tree's center. docs/hit_rule.md, section 7, has the
-/// bounds on all errors.
+/// What floats know of the rays, in a tree's frame. docs/hit_rule.md, section 7, has the bounds on
+/// all errors.
 struct FloatRays {
   std::array<Column<float>, 3> origin, inverse;
+  /// The t of these origins, from which t counts here: 0 unless a ray begins too far away for
+  /// floats. How far off they are, beside their rounding to floats.
+  Column<double> shift;
+  Column<float> off;
   /// A plane at b is passed at b * inverse + near, or earlier; and at b * inverse + far, or later.
   std::array<Column<float>, 3> near, far;
   Column<float> t_in, t_out;  ///< Where the ray may meet the tree within its limits.
@@ -124,9 +128,10 @@ struct Packet {
   std::uint32_t instance = 0;
   std::span<const HitSink> sinks;  ///< By ray, for Goal::kEvery.
   geometry::Vec3f center;          ///< Of the tree.
-  float extent = 0;        ///< The largest coordinate of the tree's bounds, relative to the center.
-  std::uint32_t live = 0;  ///< The rays that floats describe; they may meet the tree's bounds.
-  Column<std::uint32_t> work;      ///< Nodes visited and triangles tested, by ray.
+  double scale = 1;                ///< Of its frame.
+  float extent = 0;                ///< The largest coordinate of the tree's bounds in its frame.
+  std::uint32_t live = 0;      ///< The rays that floats describe; they may meet the tree's bounds.
+  Column<std::uint32_t> work;  ///< Nodes visited and triangles tested, by ray.
   std::uint32_t saw_deferred = 0;  ///< Rays that met a cell which was skipped or searched.
   std::uint32_t suspended = 0;     ///< Rays that wait for a cell of the scene's tree.
   bool stopped = false;            ///< All rays wait, or are cancelled: the answers mean nothing.

@@ -237,6 +237,7 @@ class PencilRays {
     (mul_add(begin, rounding, begin) + slack).store(out.sure_low.data());
     (neg_mul_add(end, rounding, end) - slack).store(out.sure_high.data());
     Floats::set(std::numeric_limits<float>::max()).store(out.t_out.data());
+    Doubles::set(0).store(out.shift.data());
   }
 
   HWY_INLINE float slack_of_depth() const {

@@ -171,6 +171,15 @@ class Leaves {
   std::uint32_t* next_;
 };
 
+/// Exact: the bounds of the tree are within a factor of two of the center, or that is 0.
+geometry::Aabb relative(geometry::Aabb box, const geometry::Vec3f& center) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    box.lo[axis] = blocks::relative(box.lo[axis], center[axis]);
+    box.hi[axis] = blocks::relative(box.hi[axis], center[axis]);
+  }
+  return box;
+}
+
 /// Calls visit(leaf) for every leaf below.
 template <class Visit>
 void each_leaf(Slot at, const Visit& visit) {
@@ -246,7 +255,7 @@ WideTree::WideTree(const Node& root, const geometry::Vec3f& center, LeafKind kin
     auto* node = new (nodes + at) WideNode;
     for (std::size_t i = 0; i < kWidth && from.children[i] != nullptr; ++i) {
       const Node& child = *from.children[i];
-      node->set_box(i, child.box, center);
+      node->set_box(i, relative(child.box, center));
       const Slot below = child.leaf() ? leaves.slot(child) : Slot::node(nodes + from.index[i]);
       node->children[i].store(below.bits(), std::memory_order_relaxed);
     }

@@ -17,7 +17,7 @@ using accel::kdtree::WideNode;
 /// Leaves visited under one epoch pin.
 constexpr std::size_t kLeavesPerPin = 256;
 
-/// Calls visit(box) for the leaves at and below a slot; boxes are minus the tree's center.
+/// Calls visit(box) for the leaves at and below a slot; boxes are in the tree's frame.
 template <class Visit>
 void each_leaf(Slot slot, const Aabb& box, const Visit& visit) {
   if (!slot || slot.is_deferred() || slot == Slot::empty_list()) return;
@@ -29,16 +29,20 @@ void each_leaf(Slot slot, const Aabb& box, const Visit& visit) {
     each_leaf(slot.node()->child(i), slot.node()->box(i), visit);
 }
 
+/// That of the frame of its tree, in scene coordinates.
+accel::geometry::Vec3d center_of(const Instances& instances) {
+  return accel::geometry::Vec3d(instances.tree().frame().center) + instances.center();
+}
+
 /// The middles of the leaves, in scene coordinates.
 std::vector<accel::geometry::Vec3d> built_points(const Instances& grown) {
   const accel::kdtree::EpochPin pin;
   const accel::lazy::LazyTree& tree = grown.tree();
   std::vector<accel::geometry::Vec3d> points;
-  if (!tree.frame()) return points;
-  const accel::geometry::Vec3d center =
-      accel::geometry::Vec3d(tree.frame()->center) + grown.center();
-  each_leaf(accel::kdtree::load(tree.tree().root()), tree.frame()->bounds, [&](const Aabb& box) {
-    points.push_back((accel::geometry::Vec3d(box.lo) + accel::geometry::Vec3d(box.hi)) * 0.5 +
+  const accel::geometry::Vec3d center = center_of(grown);
+  const double half = 0.5 / static_cast<double>(tree.frame().scale);
+  each_leaf(accel::kdtree::load(tree.tree().root()), tree.frame().bounds, [&](const Aabb& box) {
+    points.push_back((accel::geometry::Vec3d(box.lo) + accel::geometry::Vec3d(box.hi)) * half +
                      center);
   });
   return points;
@@ -60,7 +64,7 @@ accel::kdtree::AtomicSlot* child_at(const WideNode& node, const accel::geometry:
   return nullptr;
 }
 
-/// Expands the cells that hold a point, which is minus the tree's center.
+/// Expands the cells that hold a point of the tree's frame.
 void grow_at(accel::lazy::LazyTree& tree, const accel::geometry::Vec3d& point) {
   accel::kdtree::BuildCounters built;
   for (accel::kdtree::AtomicSlot* at = &tree.root(); at != nullptr;) {
@@ -79,13 +83,12 @@ void grow_at(accel::lazy::LazyTree& tree, const accel::geometry::Vec3d& point) {
 
 void prebuild_like(const Instances& grown, const Instances& fresh) {
   const std::vector<accel::geometry::Vec3d> points = built_points(grown);
-  if (!fresh.tree().frame()) return;
-  const accel::geometry::Vec3d center =
-      accel::geometry::Vec3d(fresh.tree().frame()->center) + fresh.center();
+  const accel::geometry::Vec3d center = center_of(fresh);
+  const auto scale = static_cast<double>(fresh.tree().frame().scale);
   for (std::size_t first = 0; first < points.size(); first += kLeavesPerPin) {
     const accel::kdtree::EpochPin pin;
     for (std::size_t i = first; i < std::min(first + kLeavesPerPin, points.size()); ++i)
-      grow_at(fresh.tree(), points[i] - center);
+      grow_at(fresh.tree(), (points[i] - center) * scale);
   }
 }
 

@@ -126,11 +126,7 @@ void Caster::walk_tree(const instances::OpenTree& tree, accel::kdtree::BuildCoun
   InstanceTests content(*this, tree, built);
   if (const auto only = kd.only()) return content.visit_only(*only, lanes);
   lanes = accel::wide::center(given_, tree.instances.center(), lanes, scene_.rays);
-  if (kd.frame()) {
-    lanes = accel::wide::prepare(scene_, *kd.frame(), lanes).live;
-  } else {
-    scene_.live = 0;
-  }
+  lanes = accel::wide::prepare(scene_, kd.frame(), lanes);
   if (tree.instances.is_searched()) return content.search_all(lanes);
   accel::lazy::GrowingLeaf(kd, scene_, cells_, counters_.walked, built, content).walk(lanes);
 }

@@ -96,7 +96,7 @@ class Caster::InstanceTests {
     if (packet_.goal == accel::wide::Goal::kAny || packet_.stopped ||
         caster_.kind_ == QueryKind::kCount)
       return;
-    for (lanes &= packet_.live & best.found; lanes != 0; lanes &= lanes - 1) {
+    for (lanes &= best.found; lanes != 0; lanes &= lanes - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
       const bool here = caster_.kind_ == QueryKind::kAll || best.instance[lane] == index;
       // Not for a list that is not full.
@@ -107,15 +107,7 @@ class Caster::InstanceTests {
 
   /// Those of `lanes` that may meet a box before their best hits.
   std::uint32_t meeting(const accel::geometry::Aabb& box, std::uint32_t lanes) const {
-    const accel::geometry::Vec3f& center = packet_.center;
-    std::uint32_t met = lanes & packet_.live;
-    if (met != 0) met = accel::wide::meeting(packet_, {box.lo - center, box.hi - center}, met);
-    for (std::uint32_t slow = lanes & ~packet_.live; slow != 0; slow &= slow - 1) {
-      const accel::wide::LaneRay ray(packet_, static_cast<std::size_t>(std::countr_zero(slow)),
-                                     tree_.tree().tree().bounds());
-      if (ray.meets() && may_meet(ray.in_tree(), box, ray.limit())) met |= 1u << ray.lane();
-    }
-    return met;
+    return accel::wide::meeting(packet_, in_frame(tree_.tree().frame(), box), lanes);
   }
 
   Caster& caster_;

@@ -72,7 +72,7 @@ std::uint64_t expect_sides(const Scene& scene, std::uint64_t seed) {
   return hits;
 }
 
-/// In the last scene coordinates are too large for packets: each ray goes alone.
+/// In the last scene coordinates are too large for leaf blocks.
 TEST(MirroredNodes, EqualTheOracleForEveryKindAndCulling) {
   Random random(3);
   std::uint64_t hits = 0;

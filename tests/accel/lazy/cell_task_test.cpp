@@ -99,7 +99,7 @@ struct SharedBoxes : ManyBoxes {
 kdtree::BuildCounters descend(LazyTree& tree, const geometry::Vec3f& point) {
   const kdtree::EpochPin pin;
   kdtree::BuildCounters counters;
-  const geometry::Vec3f& center = tree.frame()->center;
+  const geometry::Vec3f& center = tree.frame().center;
   for (kdtree::AtomicSlot* at = &tree.root(); at != nullptr;) {
     const kdtree::Slot slot = kdtree::load(*at);
     if (slot.is_deferred()) {

@@ -1,6 +1,7 @@
 // For every hard mesh, the trees of all builders, full and growing, give the right hits.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 #include "accel/published/any_builder.h"
@@ -51,6 +52,26 @@ TEST_P(HardMeshHits, WithoutATreeEqualTheOracles) {
 TEST_P(HardMeshHits, FullAndGrowingTreesAgree) {
   const TestMesh mesh = make(kMeshSize, kMeshSeed);
   const std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, kRays, kMeshSeed);
+  const std::vector<NearestHit> expected = nearest_without_tree(mesh, rays);
+  for (const std::string_view builder : accel::published::builder_names()) {
+    AskedTree full(mesh, builder), growing(mesh, builder);
+    full.build();
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      ASSERT_EQ(full.nearest(rays[i]), expected[i]) << builder << " ray " << i;
+      ASSERT_EQ(growing.nearest(rays[i]), expected[i]) << builder << " growing, ray " << i;
+    }
+  }
+}
+
+/// The same lines, begun as far away as rays are valid.
+TEST_P(HardMeshHits, OfRaysFromAfarAreRight) {
+  const TestMesh mesh = make(kMeshSize, kMeshSeed);
+  std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, kSample, kMeshSeed);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    accel::geometry::Ray& ray = rays[i];
+    ray.direction = ray.direction * (1 / accel::geometry::max_norm(ray.direction));
+    ray.origin = ray.origin - ray.direction * std::exp2(56 + static_cast<double>(3 * i % 190));
+  }
   const std::vector<NearestHit> expected = nearest_without_tree(mesh, rays);
   for (const std::string_view builder : accel::published::builder_names()) {
     AskedTree full(mesh, builder), growing(mesh, builder);

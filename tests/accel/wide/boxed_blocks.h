@@ -11,8 +11,8 @@
 #include "accel/blocks/block.h"
 #include "accel/blocks/frame.h"
 #include "accel/wide/wide_tree.h"
-#include "accel/wide/wide_tree.h"
 #include "tests/support/scenes.h"
+#include "tests/support/walk_in_doubles.h"
 
 namespace sightline::tests {
 
@@ -31,13 +31,6 @@ inline bool lies_in(const accel::geometry::Aabb& inner, const accel::geometry::A
 
 inline bool holds_point(const accel::geometry::Aabb& box, const accel::geometry::Vec3f& point) {
   return lies_in({point, point}, box);
-}
-
-/// The box of a child in the tree's coordinates. Exact, as the differences to the center are.
-inline accel::geometry::Aabb box_of(const accel::kdtree::WideNode& node, std::size_t i,
-                                    const accel::geometry::Vec3f& center) {
-  const accel::geometry::Aabb box = node.box(i);
-  return {box.lo + center, box.hi + center};
 }
 
 /// Adds the blocks at and below a slot. Boxes lie in that of their parent, children come first in

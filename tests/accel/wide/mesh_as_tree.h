@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "accel/blocks/block_builder.h"
-#include "accel/blocks/frame.h"
 #include "accel/geometry/local_ray.h"
 #include "accel/geometry/ray.h"
 #include "accel/mesh/face_boxes.h"
@@ -20,17 +19,13 @@
 
 namespace sightline::tests {
 
-/// All vertices are finite.
+/// All vertices are finite, and in sizes for leaf blocks.
 struct MeshAsTree {
   explicit MeshAsTree(TestMesh from) : mesh(std::move(from)) {
     std::vector<accel::kdtree::Reference> refs(mesh.faces.size());
     refs.resize(accel::mesh::face_references(mesh.view(), 0, refs.size(), refs.data()));
     for (const accel::kdtree::Reference& ref : refs) bounds.grow(ref.bounds());
-    frame.center = accel::blocks::frame_center(bounds);
-    for (std::size_t a = 0; a < 3; ++a) {
-      frame.bounds.lo[a] = accel::blocks::relative(bounds.lo[a], frame.center[a]);
-      frame.bounds.hi[a] = accel::blocks::relative(bounds.hi[a], frame.center[a]);
-    }
+    frame = accel::wide::frame_of(bounds);
     accel::blocks::Arena arena;
     const accel::blocks::Node* root =
         accel::blocks::BlockBuilder(mesh.view(), frame.center).build(refs, bounds, arena);

@@ -32,13 +32,13 @@ class MeshInParts {
           of.frame.center));
       ends.push_back(end);
       const std::size_t group = i / in_group, at = i % in_group;
-      groups_[group].set_box(at, subtrees.back()->box(), of.frame.center);
+      groups_[group].set_box(at, in_frame(of.frame, subtrees.back()->box()));
       boxes[group].grow(subtrees.back()->box());
       slots.push_back(&groups_[group].children[at]);
       open(i);
     }
     for (std::size_t group = 0; group * in_group < parts; ++group) {
-      top_.set_box(group, boxes[group], of.frame.center);
+      top_.set_box(group, in_frame(of.frame, boxes[group]));
       top_.children[group] = accel::kdtree::Slot::node(&groups_[group]).bits();
     }
   }

@@ -67,7 +67,7 @@ struct Walk {
     packet->node = 1;
     packet->work.fill(0);
     tests::set_rays(rays, packet->rays);
-    live = prepare(*packet, parts.of.frame, (2u << (rays.size() - 1)) - 1).live;
+    live = prepare(*packet, parts.of.frame, (2u << (rays.size() - 1)) - 1);
   }
 
   void run(Child root, Visitor& visitor) {

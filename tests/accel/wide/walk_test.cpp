@@ -37,20 +37,18 @@ std::unique_ptr<Packet> packet_of(std::span<const Ray> rays, const Question& que
   return packet;
 }
 
-/// The answers of a packet, and the rays that were too far away.
-std::vector<Answer> ask(const MeshAsTree& of, std::span<const Ray> rays, const Question& question,
-                        std::uint32_t& slow) {
+/// The answers of a packet.
+std::vector<Answer> ask(const MeshAsTree& of, std::span<const Ray> rays, const Question& question) {
   BestHits best;
   const auto packet = packet_of(rays, question, best);
   const std::uint32_t lanes = (2u << (rays.size() - 1)) - 1;
-  const Prepared prepared = prepare(*packet, of.frame, lanes);
-  EXPECT_EQ(prepared.live & prepared.slow, 0u);
-  EXPECT_EQ((prepared.live | prepared.slow) & ~lanes, 0u);
-  slow = prepared.slow;
+  const std::uint32_t live = prepare(*packet, of.frame, lanes);
+  EXPECT_EQ(live, packet->live);
+  EXPECT_EQ(live & ~lanes, 0u);
   tests::NoSlots none;
   kdtree::WalkCounters walked;
-  walk(*packet, Child::final(of.tree->root()), prepared.live, Leaf(none), walked);
-  if (!question.any) settle(*packet, prepared.live);
+  walk(*packet, Child::final(of.tree->root()), live, Leaf(none), walked);
+  if (!question.any) settle(*packet, live);
   std::vector<Answer> answers;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const bool found = (best.found >> i & 1) != 0;
@@ -61,26 +59,16 @@ std::vector<Answer> ask(const MeshAsTree& of, std::span<const Ray> rays, const Q
   return answers;
 }
 
-bool is_far(const Ray& ray, const Frame& frame) {
-  double most = 0;
-  for (std::size_t a = 0; a < 3; ++a)
-    most = std::max(most, std::fabs(ray.origin[a] - static_cast<double>(frame.center[a])));
-  return most > 0x1p+61;
-}
-
 /// Asks in packets of `size`. Returns how many rays hit something.
 std::size_t expect_exact(const MeshAsTree& of, std::span<const Ray> rays, std::size_t size,
                          const Question& question) {
   std::size_t hits = 0;
   for (std::size_t i = 0; i < rays.size(); i += size) {
     const auto part = rays.subspan(i, std::min(size, rays.size() - i));
-    std::uint32_t slow = 0;
-    const std::vector<Answer> answers = ask(of, part, question, slow);
+    const std::vector<Answer> answers = ask(of, part, question);
     for (std::size_t k = 0; k < part.size(); ++k) {
       const Answer expected = tests::search(of.mesh, part[k], question);
       hits += expected.found ? 1 : 0;
-      EXPECT_EQ((slow >> k & 1) != 0, is_far(part[k], of.frame));
-      if ((slow >> k & 1) != 0) continue;
       EXPECT_EQ(answers[k], expected)
           << tests::text(part[k]) << ", lane " << k << " of " << part.size();
     }
@@ -121,7 +109,6 @@ std::size_t expect_every(const MeshAsTree& of, std::span<const Ray> rays, std::s
   for (std::size_t i = 0; i < rays.size(); i += size) {
     const auto part = rays.subspan(i, std::min(size, rays.size() - i));
     std::array<Collected, kLanes> found;
-    std::uint32_t slow = 0;
     for (const bool counts : {false, true}) {
       std::array<HitSink, kLanes> sinks;
       for (std::size_t k = 0; k < kLanes; ++k) {
@@ -132,14 +119,12 @@ std::size_t expect_every(const MeshAsTree& of, std::span<const Ray> rays, std::s
       const auto packet = packet_of(part, {.culling = culling}, best);
       packet->goal = Goal::kEvery;
       packet->sinks = sinks;
-      const Prepared prepared = prepare(*packet, of.frame, (2u << (part.size() - 1)) - 1);
-      slow = prepared.slow;
+      const std::uint32_t live = prepare(*packet, of.frame, (2u << (part.size() - 1)) - 1);
       tests::NoSlots none;
       kdtree::WalkCounters walked;
-      walk(*packet, Child::final(of.tree->root()), prepared.live, Leaf(none), walked);
+      walk(*packet, Child::final(of.tree->root()), live, Leaf(none), walked);
     }
     for (std::size_t k = 0; k < part.size(); ++k) {
-      if ((slow >> k & 1) != 0) continue;
       const std::vector<ListedHit> expected = every_hit(of.mesh, part[k], culling);
       expect_collected(found[k], expected, part[k]);
       hits += expected.size();
@@ -194,6 +179,34 @@ std::vector<Ray> steep(const MeshAsTree& of, std::size_t count, std::uint64_t se
   return rays;
 }
 
+/// Rays from as far away as they are valid, at corners and points of triangles. In packets of any
+/// size some begin near by. Limits end at hits, or nowhere.
+std::vector<Ray> from_afar(const MeshAsTree& of, std::size_t count, std::uint64_t seed) {
+  std::vector<Ray> rays;
+  Random random(seed);
+  const double size = static_cast<double>(largest_coordinate(of.frame.bounds));
+  const geometry::Vec3d center(of.frame.center);
+  while (rays.size() < count) {
+    const geometry::Face& f = of.mesh.faces[random.below(of.mesh.faces.size())];
+    const Vec3d a(of.mesh.vertices[f[0]]), b(of.mesh.vertices[f[1]]), c(of.mesh.vertices[f[2]]);
+    const double u = random.uniform(), v = random.uniform() * (1 - u);
+    const Vec3d at = random.below(4) == 0 ? a : a + (b - a) * u + (c - a) * v;
+    Vec3d d = random.direction();
+    if (random.below(2) == 0) d[random.below(3)] = random.below(2) == 0 ? 0.0 : -0.0;
+    if (random.below(4) == 0) d = {0, random.below(2) == 0 ? 1.0 : -1.0, 0};
+    const double distances[] = {0x1p+60, 0x1p+61,  0x1.8p+61, 0x1p+63, 0x1p+70,
+                                0x1p+80, 0x1p+108, 0x1p+120,  0x1p+249};
+    const double distance = distances[random.below(9)] * random.uniform(0.5, 1.0);
+    Ray ray{at - d * distance, d * std::exp2(random.uniform(-300, 300))};
+    if (random.below(8) == 0) ray.origin = center - d * (size * 3);
+    if (random.below(4) == 0)
+      ray.origin = ray.origin + random.direction() * (random.uniform() * distance);
+    if (random.below(3) == 0) ray.tmin = -geometry::kInfinity;
+    rays.push_back(ray);
+  }
+  return rays;
+}
+
 class OnEveryMesh : public ::testing::TestWithParam<std::tuple<std::int64_t, std::size_t>> {
  protected:
   void SetUp() override {
@@ -232,10 +245,20 @@ TEST_P(OnEveryMesh, SteepRaysEqualTheRule) {
   }
 }
 
+TEST_P(OnEveryMesh, RaysFromAfarEqualTheRule) {
+  const std::vector<Ray> rays = from_afar(*of_, 320, 29);
+  std::size_t hits = 0;
+  for (const Question& question : kQuestions) {
+    hits += expect_exact(*of_, rays, 1, question);
+    hits += expect_exact(*of_, rays, kLanes, question);
+  }
+  EXPECT_GT(hits, 0u);
+}
+
 TEST_P(OnEveryMesh, LimitsAtHitsAreClosed) {
   std::vector<Ray> rays = tests::make_hard_rays(of_->mesh, 96, 24);
-  const std::vector<Ray> more = side_by_side(of_->mesh, 6, 25);
-  rays.insert(rays.end(), more.begin(), more.end());
+  for (const std::vector<Ray>& more : {side_by_side(of_->mesh, 6, 25), from_afar(*of_, 96, 30)})
+    rays.insert(rays.end(), more.begin(), more.end());
   rays = tests::with_limits_at_hits(of_->mesh, rays);
   for (const Question& question : kQuestions) expect_exact(*of_, rays, kLanes, question);
 }
@@ -247,6 +270,7 @@ TEST_P(OnEveryMesh, EveryHitIsListedAndCounted) {
   for (const Culling culling : {Culling::kNone, Culling::kBack, Culling::kFront}) {
     expect_every(*of_, tests::with_limits_at_hits(of_->mesh, hard), kLanes, culling);
     expect_every(*of_, steep(*of_, 48, 27), 5, culling);
+    expect_every(*of_, tests::with_limits_at_hits(of_->mesh, from_afar(*of_, 48, 31)), 5, culling);
     expect_every(*of_, together, kLanes, culling);
     expect_every(*of_, tests::with_limits_at_hits(of_->mesh, together), kLanes, culling);
   }
@@ -269,10 +293,9 @@ TEST_P(Overflow, AHitWhoseTIsTooLargeForADoubleIsNone) {
   const Vec3d from{0x1p+22, 0x1p+22, 0x1p+24};
   for (const double length : {0x1p-999, 0x1p-1000}) {
     for (const bool any : {false, true}) {
-      std::uint32_t slow = 0;
       const Ray ray{from, {0, 0, -length}};
       const bool is_number = std::isfinite(from.z / length);
-      EXPECT_EQ(ask(of, {&ray, 1}, {.any = any}, slow).front().found, is_number);
+      EXPECT_EQ(ask(of, {&ray, 1}, {.any = any}).front().found, is_number);
     }
   }
 }

@@ -14,10 +14,10 @@
 #include "accel/lazy/lazy_tree.h"
 #include "accel/mesh/face_boxes.h"
 #include "accel/mesh/mesh_tree.h"
-#include "accel/wide/walk_in_doubles.h"
 #include "scenegraph/trace.h"
 #include "tests/bench/verbs/plain_float.h"
 #include "tests/support/all_instances.h"
+#include "tests/support/walk_in_doubles.h"
 
 namespace sightline::bench {
 namespace {
@@ -123,8 +123,7 @@ struct MeshVisit {
   }
 
   void finished(const accel::kdtree::FinishedSubtree& subtree) {
-    accel::wide::walk_in_doubles(static_cast<const accel::wide::WideTree&>(subtree), ray, *this,
-                                 walked);
+    tests::walk_in_doubles(static_cast<const accel::wide::WideTree&>(subtree), ray, *this, walked);
   }
 
   bool deferred(AtomicSlot&, const DeferredCell&) {

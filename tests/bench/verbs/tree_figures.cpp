@@ -8,9 +8,9 @@
 #include "accel/mesh/mesh_tree.h"
 #include "accel/published/bvh/bvh_tree.h"
 #include "accel/published/bvh/traverse.h"
-#include "accel/wide/walk_in_doubles.h"
 #include "tests/bench/verbs/end_point_overlap.h"
 #include "tests/support/all_instances.h"
+#include "tests/support/walk_in_doubles.h"
 
 namespace sightline::bench {
 
@@ -56,7 +56,7 @@ class LeafMarker {
     }
     const accel::wide::WideNode& node = *at.node();
     for (std::size_t i = 0; i < accel::wide::kWidth && node.children[i]; ++i) {
-      const accel::geometry::Aabb box = accel::wide::box_of(node, i, center);
+      const accel::geometry::Aabb box = tests::box_of(node, i, center);
       double from = enter, to = leave;
       clip(box, from, to);
       if (from <= to) descend(node.children[i], center, enter, leave);

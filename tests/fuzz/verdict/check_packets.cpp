@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "accel/blocks/block.h"
+#include "accel/geometry/intersect.h"
 #include "accel/wide/exact.h"
 #include "accel/wide/walk.h"
 
@@ -38,11 +39,12 @@ class PacketCheck {
     const ExactPair& pair = exact_.pair(lane, face);
     if (!pair.local || pair.culled || !pair.in_limits) return "no hit as the nearest";
     const std::size_t z = packet_.floats.key[lane] >> 3;
-    const double depth = *pair.local * std::fabs(exact_.ray(lane).direction[z]);
+    const double depth =
+        (*pair.local - packet_.floats.shift[lane]) * std::fabs(exact_.ray(lane).direction[z]);
     if (depth < static_cast<double>(all.best_low[lane])) return "the nearest before its interval";
     if (depth > static_cast<double>(packet_.floats.high[lane]))
       return "the nearest behind its interval";
-    return check_limits(lane, *pair.local);
+    return check_limits(lane, *pair.local, exact_.reach(lane));
   }
 
   std::optional<std::string> check_answer(std::size_t lane) const {
@@ -55,13 +57,17 @@ class PacketCheck {
       return fmt::format("answers t {:a}, node {}, triangle {}, not t {:a}, node {}, triangle {}",
                          answer.t, answer.node, answer.primitive, expected.t, expected.node,
                          expected.primitive);
-    return check_limits(lane, answer.t / exact_.ray(lane).unit);
+    return check_limits(lane, answer.t / exact_.ray(lane).unit, exact_.reach(lane));
   }
 
  private:
-  /// What may still be met includes the best hit itself, so that equal ones are.
-  std::optional<std::string> check_limits(std::size_t lane, double t) const {
-    if (t > static_cast<double>(packet_.floats.t_out[lane])) return "t_out before the best hit";
+  /// What may still be met includes the best hit itself, so that equal ones are; where a ray begins
+  /// far away, the exact one.
+  std::optional<std::string> check_limits(std::size_t lane, double t, double reach) const {
+    const double shift = packet_.floats.shift[lane];
+    const double off = shift == 0 ? 0 : accel::geometry::kHitError * reach;
+    if (t - shift - off > static_cast<double>(packet_.floats.t_out[lane]))
+      return "t_out before the best hit";
     return std::nullopt;
   }
 
@@ -81,8 +87,8 @@ std::optional<std::string> walk_and_check(const VerdictCase& asked, const Verdic
                                           const wide::WideTree& walked, const ExactAnswers& exact,
                                           std::uint32_t lanes, bool any) {
   PreparedPacket packet;
-  lanes &= ~prepare_packet(asked, tree, any, packet).slow;
-  const std::uint32_t live = lanes & prepare(*packet.packet, tree.frame(), lanes).live;
+  prepare_packet(asked, tree, any, packet);
+  const std::uint32_t live = prepare(*packet.packet, tree.frame(), lanes);
   const PacketCheck check(exact, packet, any);
   walk(*packet.packet, walked.root(), live);
   const auto each = [&](auto test) -> std::optional<std::string> {
@@ -106,7 +112,7 @@ std::optional<std::string> check_every(const VerdictCase& asked, const VerdictTr
                                        const ExactAnswers& exact, std::uint32_t lanes,
                                        bool counts) {
   PreparedPacket packet;
-  const wide::Prepared prepared = prepare_packet(asked, tree, counts, packet);
+  const std::uint32_t live = prepare_packet(asked, tree, counts, packet);
   std::array<wide::UniqueHits<wide::ListedHit>, wide::kLanes> lists;
   std::array<wide::UniqueHits<std::uint32_t>, wide::kLanes> primitives;
   std::array<wide::HitSink, wide::kLanes> sinks;
@@ -116,8 +122,8 @@ std::optional<std::string> check_every(const VerdictCase& asked, const VerdictTr
   }
   packet.packet->goal = wide::Goal::kEvery;
   packet.packet->sinks = sinks;
-  walk(*packet.packet, tree.single().root(), prepared.live & lanes);
-  for (std::uint32_t left = lanes & ~prepared.slow; left != 0; left &= left - 1) {
+  walk(*packet.packet, tree.single().root(), live & lanes);
+  for (std::uint32_t left = lanes; left != 0; left &= left - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(left));
     std::vector<std::uint32_t> found(primitives[lane].sorted().begin(),
                                      primitives[lane].sorted().end());
@@ -140,8 +146,8 @@ std::optional<std::string> check_every(const VerdictCase& asked, const VerdictTr
 
 }  // namespace
 
-wide::Prepared prepare_packet(const VerdictCase& asked, const VerdictTree& tree, bool any,
-                              PreparedPacket& out) {
+std::uint32_t prepare_packet(const VerdictCase& asked, const VerdictTree& tree, bool any,
+                             PreparedPacket& out) {
   wide::Packet& packet = *out.packet;
   wide::BestHits& best = *out.best;
   best.clear();

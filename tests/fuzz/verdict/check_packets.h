@@ -20,8 +20,9 @@ struct PreparedPacket {
 };
 
 /// Sets a packet to the rays of a case and the hits that they come with; `any`: without those.
-accel::wide::Prepared prepare_packet(const VerdictCase& asked, const VerdictTree& tree, bool any,
-                                     PreparedPacket& out);
+/// Returns those that are live.
+std::uint32_t prepare_packet(const VerdictCase& asked, const VerdictTree& tree, bool any,
+                             PreparedPacket& out);
 
 /// Nearest, any and every hit, all rays together and each alone, equal the hit rule. Describes what
 /// is wrong.

@@ -38,8 +38,7 @@ class VerdictCheck {
   VerdictCheck(const VerdictCase& asked, const VerdictTree& tree, const ExactAnswers& exact,
                VerdictTally& tally)
       : asked_(asked), tree_(tree), exact_(exact), tally_(tally) {
-    prepared_ = prepare_packet(asked, tree, false, packet_);
-    live_ = prepared_.live;
+    live_ = prepare_packet(asked, tree, false, packet_);
   }
 
   void run() {
@@ -68,13 +67,24 @@ class VerdictCheck {
   const wide::FloatRays& floats() const { return packet_.packet->floats; }
   std::size_t main_axis(std::size_t lane) const { return floats().key[lane] >> 3; }
 
+  /// t as floats count it, and how far that may be off the exact hit: near by, less than planes
+  /// are.
+  double in_floats(std::size_t lane, double t) const { return t - floats().shift[lane]; }
+  double off(std::size_t lane, std::size_t face) const {
+    return floats().shift[lane] == 0 ? 0
+                                     : accel::geometry::kHitError * exact_.pair(lane, face).reach;
+  }
+
   /// No hit is outside of where the ray may meet the tree.
   void check_bounds() {
     const auto all = static_cast<std::uint32_t>((1u << asked_.rays.size()) - 1);
-    each_counting(all & ~prepared_.slow, [&](std::size_t lane, std::size_t face, double t) {
+    each_counting(all, [&](std::size_t lane, std::size_t face, double t) {
       expect((live_ >> lane & 1) != 0, "a ray with a hit is not live", lane, face);
-      expect(static_cast<double>(floats().t_in[lane]) <= t, "enters behind a hit", lane, face);
-      expect(static_cast<double>(floats().t_out[lane]) >= t, "leaves before a hit", lane, face);
+      const double at = in_floats(lane, t), rest = off(lane, face);
+      expect(static_cast<double>(floats().t_in[lane]) <= at + rest, "enters behind a hit", lane,
+             face);
+      expect(static_cast<double>(floats().t_out[lane]) >= at - rest, "leaves before a hit", lane,
+             face);
     });
   }
 
@@ -102,8 +112,8 @@ class VerdictCheck {
         for (const std::uint32_t group : {1u << lane, alike(lane)}) {
           const GroupMeeting meeting = meet(*packet_.packet, group, node);
           expect(meeting.met & 1, "a group misses the box of a hit", lane, face);
-          expect(static_cast<double>(meeting.in[0]) <= t, "a group enters behind a hit", lane,
-                 face);
+          expect(static_cast<double>(meeting.in[0]) <= in_floats(lane, t) + off(lane, face),
+                 "a group enters behind a hit", lane, face);
           expect((meeting.met & ~1u) == 0, "a group meets what does not exist", lane, face);
         }
       }
@@ -160,16 +170,18 @@ class VerdictCheck {
   void check_depth(std::size_t lane, std::size_t face, double depth, double off) {
     const accel::geometry::LocalRay& ray = exact_.ray(lane);
     const std::size_t z = main_axis(lane);
-    const double t = *exact_.pair(lane, face).local, exact = t * std::fabs(ray.direction[z]);
+    const double along = std::fabs(ray.direction[z]), shift = floats().shift[lane];
+    const double exact = (*exact_.pair(lane, face).local - shift) * along;
     const double slack = static_cast<double>(floats().slack[lane]);
     expect(!(std::fabs(depth - exact) > off + slack), "a depth beyond its bound", lane, face);
     // As the ray of floats begins elsewhere.
     const double o = ray.origin[z] - static_cast<double>(tree_.frame().center[z]),
                  sign = static_cast<double>(floats().sign[lane]);
-    const double from_float = exact + (o * sign - static_cast<double>(floats().z[lane]));
+    const double from_float =
+        exact + (o * sign + shift * along - static_cast<double>(floats().z[lane]));
     const double rest = 2 * accel::geometry::kHitError * exact_.pair(lane, face).reach +
                         0x1p-50 * (std::fabs(o) + std::fabs(exact)) +
-                        static_cast<double>(wide::kTiny);
+                        static_cast<double>(floats().off[lane] + wide::kTiny);
     expect(!(std::fabs(depth - from_float) > off + rest), "a depth beyond the triangle's bound",
            lane, face);
   }
@@ -205,7 +217,6 @@ class VerdictCheck {
   const ExactAnswers& exact_;
   VerdictTally& tally_;
   PreparedPacket packet_;
-  wide::Prepared prepared_;
   std::uint32_t live_ = 0;
 };
 

@@ -30,7 +30,7 @@ TEST(VerdictCorpus, RandomBytesHaveNoFindings) {
   }
   EXPECT_GT(tally.hits, tally.pairs / 20);
   EXPECT_GT(tally.sure_misses, tally.pairs / 10);
-  EXPECT_GT(tally.sure_hits, tally.pairs / 200);
+  EXPECT_GT(tally.sure_hits, tally.pairs / 250);
   EXPECT_GT(tally.groups, tally.packets / 10);
   EXPECT_GT(tally.in_pencils, tally.packets);
 }

@@ -38,6 +38,12 @@ ExactAnswers::ExactAnswers(const VerdictCase& asked) : asked_(asked), faces_(ask
   }
 }
 
+double ExactAnswers::reach(std::size_t lane) const {
+  double reach = 0;
+  for (std::size_t face = 0; face < faces_; ++face) reach = std::max(reach, pair(lane, face).reach);
+  return reach;
+}
+
 bool ExactAnswers::counts(std::size_t lane, std::size_t face) const {
   const ExactPair& at = pair(lane, face);
   return at.local && !at.culled && at.in_limits && at.world <= asked_.rays[lane].best_t;

@@ -40,6 +40,8 @@ class ExactAnswers {
   const ExactPair& pair(std::size_t lane, std::size_t face) const {
     return pairs_[lane * faces_ + face];
   }
+  /// The largest of its pairs.
+  double reach(std::size_t lane) const;
   /// A hit that may be the ray's answer: within its limits, not culled, not behind the best hit
   /// that it comes with.
   bool counts(std::size_t lane, std::size_t face) const;

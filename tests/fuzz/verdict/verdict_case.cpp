@@ -208,15 +208,38 @@ class Rays {
       case 3:
         last_.origin = target;
         break;
+      case 4:
+        last_.origin = target - towards() * far_away();
+        break;
       default: {
-        Vec3d d = last_.direction;
-        const double most = accel::geometry::max_norm(d);
-        if (most > 0 && std::isfinite(most)) d = d * (1 / most);
+        const Vec3d d = towards();
         const int far = static_cast<int>(bytes_.below(128));
         const double distance = power(far < 64 ? far % 8 - 4 : far - 88);
         const double unit = bytes_.below(2) == 0 ? size_ : edge_length();
         last_.origin = target - d * std::min(unit * distance, 0x1.8p+61);
       }
+    }
+  }
+
+  /// The direction, with 1 as its largest component.
+  Vec3d towards() const {
+    const double most = accel::geometry::max_norm(last_.direction);
+    return most > 0 && std::isfinite(most) ? last_.direction * (1 / most) : last_.direction;
+  }
+
+  /// From 2^55 to beyond what is valid; often around 2^61, where floats need another origin, or
+  /// where they know nothing any more.
+  double far_away() {
+    const auto part = 1 + static_cast<double>(bytes_.take<std::uint16_t>()) * 0x1p-16;
+    switch (bytes_.below(4)) {
+      case 0:
+        return stepped(0x1p+61, bytes_.take<std::int8_t>());
+      case 1:
+        return part * power(58 + static_cast<int>(bytes_.below(8)));
+      case 2:
+        return part * power(55 + static_cast<int>(bytes_.below(64)));
+      default:
+        return part * power(55 + static_cast<int>(bytes_.below(256) * 4));
     }
   }
 

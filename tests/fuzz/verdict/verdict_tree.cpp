@@ -42,11 +42,10 @@ VerdictTree::VerdictTree(const accel::geometry::MeshView& mesh) : mesh_(mesh) {
   refs.resize(accel::mesh::face_references(mesh, 0, refs.size(), refs.data()));
   Aabb bounds;
   for (const accel::kdtree::Reference& ref : refs) bounds.grow(ref.bounds());
-  const Vec3f center = blocks::frame_center(bounds);
-  const wide::Frame frame{center, relative(bounds, center)};
-  const float size = wide::largest_coordinate(frame.bounds);
-  if (!(size >= wide::kLeastSize && size <= wide::kLargestSize)) return;
+  const wide::Frame frame = wide::frame_of(bounds);
+  if (frame.scale != 1) return;
   frame_ = frame;
+  const Vec3f& center = frame.center;
   blocks::BlockBuilder builder(mesh, center);
   blocks::Arena arena;
   const blocks::Node* chain = nullptr;
