@@ -11,7 +11,6 @@
 #include "accel/grow/cell_cut.h"
 #include "accel/grow/fork.h"
 #include "accel/grow/list_stack.h"
-#include "accel/grow/small_subtree.h"
 #include "accel/split/scan_pass.h"
 
 namespace sightline::accel::grow {
@@ -61,8 +60,7 @@ class Growth {
   using Waits = kdtree::KdTree::Waits;
 
  public:
-  explicit Growth(const GrowContext& context)
-      : context_(context), rule_(context.rule), small_(context.rule.small_rule()) {}
+  explicit Growth(const GrowContext& context) : context_(context), rule_(context.rule) {}
 
   /// What one task writes to.
   struct Task {
@@ -76,11 +74,8 @@ class Growth {
              const kdtree::CellPath& path, const kdtree::ChildScan* first, const Task& task) {
     if (refs.size() >= kForkFrom && is_cancelled())
       return {defer(refs, cell, path, Waits::kLeftOver)};
-    if (task.blocks != nullptr) {
-      if (refs.size() <= kBlockCell) return task.blocks->finish(refs, cell);
-    } else if (small_ && is_small(refs)) {
-      return {grow_small(context_, *small_, refs, cell, path, task.counters)};
-    }
+    if (task.blocks != nullptr && refs.size() <= kBlockCell)
+      return task.blocks->finish(refs, cell);
     const std::optional<kdtree::Split> cut = path.depth < context_.max_depth
                                                  ? choose(refs, cell, path, first, task.counters)
                                                  : std::nullopt;
@@ -301,8 +296,6 @@ class Growth {
 
   const GrowContext& context_;
   const split::SplitSearch& rule_;
-  std::optional<split::BoundRule>
-      small_;  ///< For all lists up to split::kSmallList, if there is one.
 };
 
 }  // namespace
@@ -312,10 +305,6 @@ int depth_limit(std::size_t references) {
   return std::min(static_cast<int>(8 + 1.3 * log2) + 20, kdtree::kMaxTreeDepth);
 }
 
-int depth_limit(const split::SplitSearch& rule, std::size_t references) {
-  return std::min(depth_limit(references), rule.depth_bound(references));
-}
-
 namespace {
 
 /// Grows in a cell's list, and calls free_list() when nothing reads it any more.
@@ -323,8 +312,6 @@ template <class FreeList>
 kdtree::Slot grow_in(const GrowContext& context, std::span<kdtree::Reference> refs,
                      const geometry::Aabb& cell, const kdtree::CellPath& path,
                      kdtree::BuildCounters& counters, const FreeList& free_list) {
-  if (const auto grown = context.rule.grow_subtree(context, refs, cell, path, counters))
-    return *grown;
   std::optional<BlockSubtrees> blocks;
   if (context.center != nullptr) blocks.emplace(context);
   Grown grown;

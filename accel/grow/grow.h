@@ -58,16 +58,11 @@ class GrowingBytes {
 /// of a good tree (Havran 2000), the rest allows for splits that cut off empty space.
 int depth_limit(std::size_t references);
 
-/// As above; less if the rule has a smaller bound (SplitSearch::depth_bound).
-int depth_limit(const split::SplitSearch& rule, std::size_t references);
-
 /// Grows the subtree under `cell` and returns its slot, which is not published yet. `refs` is
 /// overwritten: a left child's list replaces its parent's, a right child's is on a stack (Hunt et
 /// al. 2006, section 6.3.1). Large subtrees are tasks in the caller's arena. If the tree's
 /// arrays are full, a cell stays deferred, marked failed, if the rule has no budget. Throws
 /// std::bad_alloc; nodes made until then stay in the tree's storage, unreachable.
-///
-/// A rule may grow subtrees in its own way (SplitSearch::grow_subtree).
 kdtree::Slot grow(const GrowContext& context, std::span<kdtree::Reference> refs,
                   const geometry::Aabb& cell, const kdtree::CellPath& path,
                   kdtree::BuildCounters& counters);

@@ -45,9 +45,8 @@ std::optional<wide::Frame> frame_of(const geometry::Aabb& bounds) {
   return frame;
 }
 
-bool may_make_blocks(const split::SplitSearch& rule, const geometry::MeshView* mesh,
-                     const geometry::Aabb& bounds) {
-  return rule.makes_blocks() && mesh != nullptr && frame_of(bounds);
+bool may_make_blocks(const geometry::MeshView* mesh, const geometry::Aabb& bounds) {
+  return mesh != nullptr && frame_of(bounds);
 }
 
 /// A budget of references bounds what leaves hold, and with it the number of nodes; the rest is for
@@ -63,14 +62,14 @@ LazyTree::LazyTree(const geometry::Aabb& bounds, std::size_t primitive_count, sp
                    ReferenceSource source, const geometry::MeshView* mesh,
                    std::shared_ptr<kdtree::TreeMemory> memory)
     : tree_(bounds, primitive_count,
-            grow::root_path(rule->budget(may_make_blocks(*rule, mesh, bounds)), primitive_count),
+            grow::root_path(rule->budget(may_make_blocks(mesh, bounds)), primitive_count),
             std::move(memory)),
       rule_(std::move(rule)),
       source_(std::move(source)),
       primitive_count_(primitive_count),
-      context_{rule_, source_, mesh, grow::depth_limit(*rule_, primitive_count)},
+      context_{rule_, source_, mesh, grow::depth_limit(primitive_count)},
       frame_(frame_of(bounds)),
-      makes_blocks_(may_make_blocks(*rule_, mesh, bounds)) {
+      makes_blocks_(may_make_blocks(mesh, bounds)) {
   if (budget() > 0) tree_.set_capacity(capacity_within(budget(), makes_blocks()));
 }
 

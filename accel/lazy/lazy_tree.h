@@ -107,7 +107,7 @@ class LazyTree {
   /// walk reads them. Pinned. Throws std::bad_alloc, and then nothing has changed.
   std::uint64_t evict(const Evictable& piece);
 
-  /// Whether finished cells become leaf blocks: the rule makes them, and there is a frame.
+  /// Whether finished cells become leaf blocks: it is over faces, and there is a frame.
   bool makes_blocks() const { return makes_blocks_; }
   /// What its wide trees are relative to; nothing if floats are too coarse or too short for the
   /// sizes of the tree (wide::kLeastSize).

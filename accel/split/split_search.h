@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <limits>
 #include <optional>
 #include <span>
 
@@ -11,10 +10,6 @@
 #include "accel/split/child_scan.h"
 #include "accel/split/exhaustive_split.h"
 #include "accel/split/split_rule.h"
-
-namespace sightline::accel::grow {
-struct GrowContext;
-}
 
 namespace sightline::accel::split {
 
@@ -42,10 +37,6 @@ class SplitSearch {
   /// Whether a long list may be split by a sample of it.
   virtual bool takes_samples() const { return false; }
 
-  /// Whether trees may begin with runs of triangles. Runs are opened by the rule of membership, so
-  /// a rule that chooses the side of flat boxes must refuse them.
-  virtual bool takes_runs() const { return true; }
-
   /// Whether sifting a list of `references` also counts the first passes over the resulting lists
   /// (sift_and_count). `choose` then gets the counts as CellRefs::first.
   virtual bool scans_children(std::size_t /*references*/) const { return false; }
@@ -53,32 +44,9 @@ class SplitSearch {
   /// For rules that scan children: the planes of the first pass over a child's list.
   virtual ChildPlanes child_planes(const geometry::Aabb& /*child*/) const { return {}; }
 
-  /// The rule for all lists of at most kSmallList references, if `choose` always searches them
-  /// exhaustively and never clips. Such subtrees are grown in registers (grow/small_subtree.h).
-  virtual std::optional<BoundRule> small_rule() const { return std::nullopt; }
-
-  /// Whether cells that are finished become leaf blocks (accel/blocks), which are faster and
-  /// smaller than leaves of a kd-tree. Only in trees over meshes.
-  virtual bool makes_blocks() const { return false; }
-
   /// Limit on references per triangle in a tree (reference_budget.h), or above its leaf blocks,
   /// where a tree ends `in_blocks`; 0: no limit.
   virtual double budget([[maybe_unused]] bool in_blocks) const { return 0; }
-
-  /// Depth at which cells become leaves, for a tree over that many references.
-  virtual int depth_bound(std::size_t /*references*/) const {
-    return std::numeric_limits<int>::max();
-  }
-
-  /// The subtree under a cell, for rules with a faster method than cell by cell; nothing for the
-  /// others. It must equal the tree that `choose` leads to.
-  virtual std::optional<kdtree::Slot> grow_subtree(const grow::GrowContext& /*context*/,
-                                                   std::span<const kdtree::Reference> /*refs*/,
-                                                   const geometry::Aabb& /*cell*/,
-                                                   const kdtree::CellPath& /*path*/,
-                                                   kdtree::BuildCounters& /*counters*/) const {
-    return std::nullopt;
-  }
 };
 
 }  // namespace sightline::accel::split

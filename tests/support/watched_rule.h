@@ -26,14 +26,12 @@ class WatchedRule final : public accel::split::SplitSearch {
   }
   bool runs_passes() const override { return rule_->runs_passes(); }
   bool takes_samples() const override { return rule_->takes_samples(); }
-  bool takes_runs() const override { return rule_->takes_runs(); }
   bool scans_children(std::size_t references) const override {
     return rule_->scans_children(references);
   }
   accel::split::ChildPlanes child_planes(const accel::geometry::Aabb& child) const override {
     return rule_->child_planes(child);
   }
-  std::optional<accel::split::BoundRule> small_rule() const override { return rule_->small_rule(); }
   double budget(bool in_blocks) const override { return rule_->budget(in_blocks); }
 
  private:

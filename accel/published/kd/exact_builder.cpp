@@ -2,7 +2,6 @@
 #include "accel/published/kd/exact_builder.h"
 
 #include "accel/published/kd/event.h"
-#include "accel/published/kd/event_growth.h"
 #include "accel/published/kd/exact_search.h"
 #include "accel/split/out_of_range.h"
 
@@ -40,15 +39,6 @@ std::optional<kdtree::Split> ExactBuilder::choose(const kdtree::CellRefs& list,
   const Candidate best = naive ? search_naively(costs, refs, cell, weight, counters)
                                : search_sorted(costs, refs, cell, weight, counters);
   return decide(best, weight, refs.size(), list.path);
-}
-
-std::optional<kdtree::Slot> ExactBuilder::grow_subtree(const grow::GrowContext& context,
-                                                       std::span<const kdtree::Reference> refs,
-                                                       const geometry::Aabb& cell,
-                                                       const kdtree::CellPath& path,
-                                                       kdtree::BuildCounters& counters) const {
-  if (search != ExactSearch::kSweep || refs.size() > Event::kMaxReferences) return std::nullopt;
-  return grow_by_events(context, *this, refs, cell, path, counters);
 }
 
 }  // namespace sightline::accel::published::kd

@@ -31,11 +31,10 @@ TestMesh soup() { return tests::random_soup(6000, 0.05, 1); }
 
 /// The tree of a mesh, as MeshTree has it.
 struct GrowingMesh {
-  explicit GrowingMesh(TestMesh from, const split::ScanSplit& rule = split::scan_fast())
-      : mesh(std::move(from)), view(mesh.view()) {
+  explicit GrowingMesh(TestMesh from) : mesh(std::move(from)), view(mesh.view()) {
     const mesh::MeshStats stats = mesh::compute_mesh_stats(view);
     tree = std::make_unique<LazyTree>(
-        geometry::padded(stats.bounds), stats.finite_triangles, split::make_rule(rule),
+        geometry::padded(stats.bounds), stats.finite_triangles, split::default_rule(),
         mesh::source_of_faces(view, stats.bounds, true, nullptr), &view);
   }
 
@@ -197,16 +196,6 @@ TEST(CompiledTop, ItsMemoryIsTheTrees) {
   }
   // The metrics are those of the nodes that it stands for.
   EXPECT_EQ(of.growth().cells_built, cells);
-}
-
-TEST(CompiledTop, APlainTreeHasNone) {
-  split::ScanSplit plain = split::scan_fast();
-  plain.blocks = false;
-  const GrowingMesh of(soup(), plain);
-  kdtree::BuildCounters built;
-  of.tree->expand_all(built);
-  of.tree->count_steps(~std::uint64_t{0} >> 1);
-  EXPECT_FALSE(of.has_top());
 }
 
 TEST(CompiledTop, ATreeTooLargeForFloatsHasNone) {
