@@ -74,8 +74,7 @@ class Growth {
              const kdtree::CellPath& path, const kdtree::ChildScan* first, const Task& task) {
     if (refs.size() >= kForkFrom && is_cancelled())
       return {defer(refs, cell, path, Waits::kLeftOver)};
-    if (task.blocks != nullptr && refs.size() <= kBlockCell)
-      return task.blocks->finish(refs, cell);
+    if (task.blocks != nullptr && refs.size() <= kBlockCell) return task.blocks->finish(refs, cell);
     const std::optional<kdtree::Split> cut = path.depth < context_.max_depth
                                                  ? choose(refs, cell, path, first, task.counters)
                                                  : std::nullopt;

@@ -66,8 +66,7 @@ void LazyTree::count_steps(std::uint64_t steps) {
 }
 
 void LazyTree::compile_top() {
-  // The plain tree of a mesh stays what it is.
-  if (!frame_ || (context_.mesh != nullptr && !makes_blocks_)) return;
+  if (!frame_) return;
   if (!kdtree::load(tree_.root()).is_binary()) return;
   if (compiles_top_.exchange(true, std::memory_order_acquire)) return;
   steps_.store(0, std::memory_order_relaxed);

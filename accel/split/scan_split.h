@@ -8,6 +8,7 @@
 #include <string>
 
 #include "accel/split/cost_model.h"
+#include "accel/split/exhaustive_split.h"
 #include "accel/split/split_search.h"
 
 namespace sightline::accel::split {

@@ -3,12 +3,9 @@
 
 #include <cstddef>
 #include <optional>
-#include <span>
 
 #include "accel/kdtree/reference.h"
-#include "accel/kdtree/slot.h"
 #include "accel/split/child_scan.h"
-#include "accel/split/exhaustive_split.h"
 #include "accel/split/split_rule.h"
 
 namespace sightline::accel::split {

@@ -46,7 +46,7 @@ class EventGrowth {
       return {left, grow(halves.right, divider, task)};
     }
     PlainCells::Pair children;
-    PlainWriter other(task.out.room());
+    PlainWriter other(task.out.capacity());
     kdtree::BuildCounters counters;
     grow::fork([&] { children[0] = grow(halves.left, divider, task); },
                [&] {

@@ -63,7 +63,8 @@ struct PlainCells {
   std::vector<std::uint32_t> ids;         ///< Of leaves of several references.
   std::vector<kdtree::Reference> failed;  ///< Of failed leaves, with their boxes.
 
-  /// The references of a leaf that did not fail. If there is only one, the span points to `storage`.
+  /// The references of a leaf that did not fail. If there is only one, the span points to
+  /// `storage`.
   std::span<const std::uint32_t> leaf(const PlainNode& node, std::uint32_t& storage) const {
     if (node.count() != 1) return {ids.data() + node.first(), node.count()};
     storage = node.first();

@@ -86,7 +86,7 @@ class PlainGrowth {
       return {left, grow_right(right_list(refs, lists), lists, task)};
     }
     PlainCells::Pair children;
-    PlainWriter other(task.out.room());
+    PlainWriter other(task.out.capacity());
     kdtree::BuildCounters counters;
     grow::fork([&] { children[0] = grow_left(); },
                [&] {
@@ -135,15 +135,15 @@ PlainCells grow_plain(const PlainRule& rule, const geometry::MeshView& mesh,
                       kdtree::BuildCounters& counters) {
   const double budget = rule.search->budget(false);
   const int max_depth = depth_limit(rule, refs.size());
-  PlainRoom room(budget, refs.size());
-  PlainWriter out(room);
+  PlainCapacity capacity(budget, refs.size());
+  PlainWriter out(capacity);
   const PlainTask task{out, counters};
   if (rule.events && refs.size() <= Event::kMaxReferences)
     return out.finish(grow_by_events(*rule.events, mesh, max_depth, refs, bounds, task));
   ListStack lists;
-  return out.finish(PlainGrowth(rule, mesh, max_depth)
-                        .grow(refs, bounds, grow::root_path(budget, refs.size()), nullptr, lists,
-                              task));
+  return out.finish(
+      PlainGrowth(rule, mesh, max_depth)
+          .grow(refs, bounds, grow::root_path(budget, refs.size()), nullptr, lists, task));
 }
 
 }  // namespace sightline::accel::published::kd

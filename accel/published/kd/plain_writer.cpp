@@ -19,7 +19,7 @@ std::int64_t at_most(std::size_t count, std::uint64_t most) {
 
 /// A budget bounds what leaves hold, and with it the number of nodes; the rest is for small
 /// subtrees, which have none.
-PlainRoom::PlainRoom(double budget, std::size_t references) {
+PlainCapacity::PlainCapacity(double budget, std::size_t references) {
   const auto most = static_cast<std::size_t>(std::ceil(budget));
   const std::size_t pairs = most > 0 ? most : kPairsEach,
                     ids = most > 0 ? most + most / 2 : kIdsEach;

@@ -12,11 +12,11 @@ namespace sightline::accel::published::kd {
 
 /// How many pairs and ids a tree may still get: some rules cut as long as the next cut pays,
 /// whatever that takes. Threads: any.
-class PlainRoom {
+class PlainCapacity {
  public:
   /// For a tree over that many references, whose leaves hold at most `budget` of them for each one
   /// (SplitSearch::budget); 0: as many as there is room for.
-  PlainRoom(double budget, std::size_t references);
+  PlainCapacity(double budget, std::size_t references);
 
   bool take_pair() { return take(pairs_, 1); }
   bool take_ids(std::size_t count) { return take(ids_, static_cast<std::int64_t>(count)); }
@@ -34,12 +34,12 @@ class PlainRoom {
 /// The cells that one task makes. Indices in its nodes are its own until append(). Threads: one.
 class PlainWriter {
  public:
-  explicit PlainWriter(PlainRoom& room) : room_(room) {}
+  explicit PlainWriter(PlainCapacity& capacity) : capacity_(capacity) {}
 
-  PlainRoom& room() const { return room_; }
+  PlainCapacity& capacity() const { return capacity_; }
 
   /// Whether there is room for the children of one more node, which is then taken.
-  bool may_cut() { return room_.take_pair(); }
+  bool may_cut() { return capacity_.take_pair(); }
   /// The index of a new pair: a node comes before those below it.
   std::uint32_t begin_pair();
   void end_pair(std::uint32_t pair, PlainNode left, PlainNode right) {
@@ -53,7 +53,7 @@ class PlainWriter {
   PlainNode leaf(std::span<const kdtree::Reference> refs, const Failed& failed) {
     if (refs.empty()) return {};
     if (refs.size() == 1) return PlainNode::leaf(1, refs[0].id);
-    return room_.take_ids(refs.size()) ? long_leaf(refs) : failed();
+    return capacity_.take_ids(refs.size()) ? long_leaf(refs) : failed();
   }
   /// Counted by TreeMetrics::failed_cells. Not empty.
   PlainNode failed_leaf(std::span<const kdtree::Reference> refs);
@@ -67,7 +67,7 @@ class PlainWriter {
  private:
   PlainNode long_leaf(std::span<const kdtree::Reference> refs);
 
-  PlainRoom& room_;
+  PlainCapacity& capacity_;
   PlainCells cells_;
 };
 

@@ -136,7 +136,8 @@ std::vector<geometry::Ray> rays_for(const TestMesh& mesh, std::size_t count) {
 }
 
 /// Of a tree that is built whole.
-void check_whole(const WholeTree& tree, const TestMesh& mesh, const published::AnyBuilder& builder) {
+void check_whole(const WholeTree& tree, const TestMesh& mesh,
+                 const published::AnyBuilder& builder) {
   if (!tree.is_built()) return;
   if (const auto* hierarchy = dynamic_cast<const published::bvh::BvhTree*>(&tree))
     return tests::check_hierarchy(*hierarchy->built(), mesh);

@@ -242,8 +242,8 @@ Result<std::vector<Row>> run_law(const CommonOptions& common, const LawOptions& 
   const auto builder = configured_builder(options.builder, common);
   if (!builder.ok()) return builder.error();
   if (accel::mesh::TreeBuilder(*builder).whole != nullptr) {
-    return Error{Code::kInvalidArgument, options.builder + ": trees that are built whole have no law",
-                 "COMMAND_LINE"};
+    return Error{Code::kInvalidArgument,
+                 options.builder + ": trees that are built whole have no law", "COMMAND_LINE"};
   }
   const auto hierarchies = parse_hierarchies(options.hierarchies);
   if (!hierarchies.ok()) return hierarchies.error();

@@ -47,10 +47,12 @@ class Regrowth {
         max_depth_(depth_limit(rule, mesh.faces.size())) {}
 
   void expect(PlainNode node, const Refs& refs, const geometry::Aabb& cell,
-              const kdtree::CellPath& path) const {
+              kdtree::CellPath path) const {
+    // Small subtrees have no budget.
+    if (rule_.small && refs.size() <= kSmallList) path = {.depth = path.depth};
     kdtree::BuildCounters counters;
-    const auto cut = path.depth < max_depth_ ? rule_.search->choose({refs, cell, path}, counters)
-                                             : std::nullopt;
+    const auto cut =
+        path.depth < max_depth_ ? rule_.search->choose({refs, cell, path}, counters) : std::nullopt;
     if (!cut) return expect_leaf(node, refs);
     const grow::CellCut sides(*rule_.search, &mesh_, cell, path, refs.size(), *cut);
     Refs left(refs.size()), right(refs.size());
@@ -137,7 +139,7 @@ TEST(PlainGrowth, ThreadsBuildTheSameTree) {
 }
 
 /// The papers' builders cut as long as the next cut pays. Nothing is lost where there is no room.
-TEST(PlainGrowth, StopsWhereThereIsNoRoom) {
+TEST(PlainGrowth, StopsAtTheCapacity) {
   const TestMesh mesh = tests::find_hard_mesh("fan")->make(1000, 7);
   std::vector<geometry::Aabb> boxes;
   for (std::size_t i = 0; i < mesh.faces.size(); ++i)

@@ -77,8 +77,7 @@ TEST(PlainTree, MetricsAreThoseOfItsCells) {
   EXPECT_NEAR(metrics.expected_leaves, expected_leaves, 1e-9 * expected_leaves);
   EXPECT_NEAR(metrics.expected_intersections, expected_intersections,
               1e-9 * expected_intersections);
-  EXPECT_EQ(metrics.sah_cost,
-            metrics.expected_traversals + 1.5 * metrics.expected_intersections);
+  EXPECT_EQ(metrics.sah_cost, metrics.expected_traversals + 1.5 * metrics.expected_intersections);
   EXPECT_EQ(metrics.deferred_cells, 0u);
   EXPECT_GT(metrics.max_depth, 8);
 }

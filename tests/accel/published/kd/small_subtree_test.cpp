@@ -61,9 +61,9 @@ class Recut {
 };
 
 PlainCells grown(const split::BoundRule& rule, const std::vector<kdtree::Reference>& refs,
-                 const geometry::Aabb& cell, int max_depth, PlainRoom& room,
+                 const geometry::Aabb& cell, int max_depth, PlainCapacity& capacity,
                  kdtree::BuildCounters& counters) {
-  PlainWriter out(room);
+  PlainWriter out(capacity);
   return out.finish(grow_small(rule, max_depth, refs, cell, 0, {out, counters}));
 }
 
@@ -74,9 +74,9 @@ void expect_same(const std::vector<kdtree::Reference>& refs, const geometry::Aab
         split::BoundRule{.cost = {}, .all_axes_up_to = 0, .retry_above = 0.85},
         split::BoundRule{.cost = {}, .all_axes_up_to = 4}, split::BoundRule{.cost = {0, 1, 1}},
         split::BoundRule{.cost = {1, 50, 0.8}}}) {
-    PlainRoom room(0, refs.size());
+    PlainCapacity capacity(0, refs.size());
     kdtree::BuildCounters counters;
-    const PlainCells cells = grown(rule, refs, cell, max_depth, room, counters);
+    const PlainCells cells = grown(rule, refs, cell, max_depth, capacity, counters);
     Recut recut(cells, rule, max_depth);
     recut.expect(cells.root, refs, cell, 0);
     ASSERT_EQ(counters.touches, recut.counters.touches);
@@ -101,12 +101,12 @@ TEST_P(SmallGrowth, StopsAtTheDepthLimit) {
   for (const int limit : {0, 1, 2, 3}) expect_same(refs, tests::bounds_of(refs), limit);
 }
 
-TEST_P(SmallGrowth, FailsWhereThereIsNoRoom) {
+TEST_P(SmallGrowth, FailsAtTheCapacity) {
   const auto refs = tests::random_boxes(kSmallList, 0.01, 3);
-  PlainRoom room(0, 0);
-  while (room.take_pair()) continue;
+  PlainCapacity capacity(0, 0);
+  while (capacity.take_pair()) continue;
   kdtree::BuildCounters counters;
-  const PlainCells cells = grown({}, refs, tests::bounds_of(refs), 20, room, counters);
+  const PlainCells cells = grown({}, refs, tests::bounds_of(refs), 20, capacity, counters);
   ASSERT_TRUE(cells.root.is_failed());
   ASSERT_EQ(cells.failed_leaf(cells.root).size(), refs.size());
   for (std::size_t i = 0; i < refs.size(); ++i)
