@@ -9,6 +9,7 @@
 #include "accel/grow/fork.h"
 #include "accel/published/kd/event.h"
 #include "accel/published/kd/event_cell.h"
+#include "accel/published/kd/fork_children.h"
 #include "accel/published/kd/sweep_axis.h"
 
 namespace sightline::accel::published::kd {
@@ -45,17 +46,12 @@ class EventGrowth {
       const PlainNode left = grow(halves.left, divider, task);
       return {left, grow(halves.right, divider, task)};
     }
-    PlainCells::Pair children;
-    PlainWriter other(task.out.capacity());
-    kdtree::BuildCounters counters;
-    grow::fork([&] { children[0] = grow(halves.left, divider, task); },
-               [&] {
-                 EventDivider own(refs_.size());
-                 children[1] = grow(halves.right, own, {other, counters});
-               });
-    task.counters += counters;
-    children[1] = task.out.append(other, children[1]);
-    return children;
+    const auto grow_left = [&] { return grow(halves.left, divider, task); };
+    return fork_children(task, grow_left, [&](const PlainTask& by, bool goes_on) {
+      if (goes_on) return grow(halves.right, divider, by);
+      EventDivider own(refs_.size());
+      return grow(halves.right, own, by);
+    });
   }
 
   std::optional<EventSplit> choose(const EventCell& cell, kdtree::BuildCounters& counters) const {

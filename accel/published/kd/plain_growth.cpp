@@ -4,12 +4,12 @@
 #include <algorithm>
 
 #include "accel/grow/cell_cut.h"
-#include "accel/grow/fork.h"
 #include "accel/grow/grow.h"
 #include "accel/grow/list_stack.h"
 #include "accel/grow/reference_budget.h"
 #include "accel/published/kd/event.h"
 #include "accel/published/kd/event_growth.h"
+#include "accel/published/kd/fork_children.h"
 #include "accel/published/kd/small_subtree.h"
 
 namespace sightline::accel::published::kd {
@@ -17,6 +17,9 @@ namespace {
 
 using Refs = std::span<kdtree::Reference>;
 using ListStack = grow::ListStack<kdtree::Reference>;
+
+/// The right lists of a task, for each reference of its list: most trees need less.
+constexpr std::size_t kListsEach = 4;
 
 class PlainGrowth {
  public:
@@ -85,17 +88,11 @@ class PlainGrowth {
       const PlainNode left = grow_left();
       return {left, grow_right(right_list(refs, lists), lists, task)};
     }
-    PlainCells::Pair children;
-    PlainWriter other(task.out.capacity());
-    kdtree::BuildCounters counters;
-    grow::fork([&] { children[0] = grow_left(); },
-               [&] {
-                 ListStack own;
-                 children[1] = grow_right(refs.right, own, {other, counters});
-               });
-    task.counters += counters;
-    children[1] = task.out.append(other, children[1]);
-    return children;
+    return fork_children(task, grow_left, [&](const PlainTask& by, bool goes_on) {
+      if (goes_on) return grow_right(right_list(refs, lists), lists, by);
+      ListStack own(kListsEach * refs.right.size());
+      return grow_right(refs.right, own, by);
+    });
   }
 
   /// The right list, after the left subtree is grown. If it is about as long as its parent's, it
@@ -140,7 +137,7 @@ PlainCells grow_plain(const PlainRule& rule, const geometry::MeshView& mesh,
   const PlainTask task{out, counters};
   if (rule.events && refs.size() <= Event::kMaxReferences)
     return out.finish(grow_by_events(*rule.events, mesh, max_depth, refs, bounds, task));
-  ListStack lists;
+  ListStack lists(kListsEach * refs.size());
   return out.finish(
       PlainGrowth(rule, mesh, max_depth)
           .grow(refs, bounds, grow::root_path(budget, refs.size()), nullptr, lists, task));

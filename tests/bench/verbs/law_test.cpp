@@ -51,7 +51,8 @@ TEST(VerbLaw, TouchesAreLinearInTheSceneAndNearlyInWhatIsSeen) {
     EXPECT_EQ(fit["points"], 5 * 11);
     EXPECT_LE(fit["a"].get<double>(), a);
     EXPECT_LE(fit["b"].get<double>(), b);
-    // Small trees of runs improve in steps, as levels of runs begin to help, and end in blocks soon.
+    // Small trees of runs improve in steps, as levels of runs begin to help, and end in blocks
+    // soon.
     const bool runs = fit["hierarchy"] == "runs";
     EXPECT_GE(fit["r_squared"].get<double>(), runs ? 0.8 : 0.95);
     if (runs) continue;
