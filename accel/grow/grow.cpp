@@ -260,10 +260,6 @@ int depth_limit(std::size_t references) {
   return std::min(static_cast<int>(8 + 1.3 * log2) + 20, kdtree::kMaxTreeDepth);
 }
 
-int depth_limit(const split::SplitSearch& rule, std::size_t references) {
-  return std::min(depth_limit(references), rule.depth_bound(references));
-}
-
 namespace {
 
 /// Grows in a cell's list, and calls free_list() when nothing reads it any more.

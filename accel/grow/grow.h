@@ -57,9 +57,6 @@ class GrowingBytes {
 /// of a good tree (Havran 2000), the rest allows for splits that cut off empty space.
 int depth_limit(std::size_t references);
 
-/// As above; less if the rule has a smaller bound (SplitSearch::depth_bound).
-int depth_limit(const split::SplitSearch& rule, std::size_t references);
-
 /// Grows the subtree under `cell` and returns its slot, which is not published yet. `refs` is
 /// overwritten: a left child's list replaces its parent's, a right child's is on a stack (Hunt et
 /// al. 2006, section 6.3.1). Large subtrees are tasks in the caller's arena. Throws std::bad_alloc.

@@ -53,7 +53,7 @@ LazyTree::LazyTree(const geometry::Aabb& bounds, std::size_t primitive_count, sp
       rule_(std::move(rule)),
       source_(std::move(source)),
       primitive_count_(primitive_count),
-      context_{rule_, source_, mesh, grow::depth_limit(*rule_, primitive_count)},
+      context_{rule_, source_, mesh, grow::depth_limit(primitive_count)},
       frame_(wide::frame_of(bounds)),
       makes_blocks_(may_make_blocks(mesh, bounds)),
       is_list_(mesh != nullptr && !bounds.empty() && !makes_blocks_),

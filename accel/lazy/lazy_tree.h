@@ -105,9 +105,8 @@ class LazyTree {
   /// walk reads them. Pinned. Throws std::bad_alloc, and then nothing has changed.
   std::uint64_t evict(const Evictable& piece);
 
-  /// Whether finished cells become leaf blocks: the rule makes them, and floats can test them in
-  /// the tree's sizes (wide::kLeastSize). Where they cannot, the tree stays the list that it begins
-  /// as.
+  /// Whether finished cells become leaf blocks: it is over faces, and floats can test them in the
+  /// tree's sizes (wide::kLeastSize). Where they cannot, the tree stays the list that it begins as.
   bool makes_blocks() const { return makes_blocks_; }
   /// What its wide trees are relative to. Not for empty bounds.
   const wide::Frame& frame() const { return frame_; }

@@ -12,11 +12,12 @@ namespace sightline::accel::mesh {
 MeshTree::Tree MeshTree::make(const geometry::MeshView& mesh, const geometry::MeshView* own,
                               const MeshStats& stats, const TreeBuilder& builder,
                               References references, std::shared_ptr<const void> alive) {
-  if (builder.whole != nullptr) return Tree(builder.whole->make(mesh));
-  const bool may_run = references == References::kRuns && builder.rule->takes_runs();
-  return Tree(std::in_place_type<lazy::LazyTree>, padded(stats.bounds), stats.finite_triangles,
-              builder.rule, source_of_faces(mesh, stats.bounds, may_run, std::move(alive)), own,
-              builder.memory);
+  if (builder.whole != nullptr) return Tree(builder.whole->make(mesh, stats));
+  return Tree(
+      std::in_place_type<lazy::LazyTree>, padded(stats.bounds), stats.finite_triangles,
+      builder.rule,
+      source_of_faces(mesh, stats.bounds, references == References::kRuns, std::move(alive)), own,
+      builder.memory);
 }
 
 MeshTree::MeshTree(geometry::MeshView mesh, const MeshStats& stats, const TreeBuilder& builder,

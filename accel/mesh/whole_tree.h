@@ -7,12 +7,14 @@
 #include "accel/geometry/triangle_mesh.h"
 #include "accel/kdtree/tree_metrics.h"
 #include "accel/kdtree/walk_counters.h"
+#include "accel/mesh/mesh_stats.h"
 
 namespace sightline::accel::mesh {
 
 class FaceTest;
 
-/// A hierarchy for comparisons with kd-trees (accel/published/bvh). The server builds none.
+/// A tree of a paper, for comparisons: a hierarchy or a plain kd-tree (accel/published). The server
+/// builds none.
 /// Threads: any, all members.
 class WholeTree {
  public:
@@ -38,7 +40,8 @@ class WholeTree {
 class WholeTreeMaker {
  public:
   virtual ~WholeTreeMaker() = default;
-  virtual std::unique_ptr<WholeTree> make(const geometry::MeshView& mesh) const = 0;
+  virtual std::unique_ptr<WholeTree> make(const geometry::MeshView& mesh,
+                                          const MeshStats& stats) const = 0;
 };
 
 }  // namespace sightline::accel::mesh

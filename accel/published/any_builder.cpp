@@ -23,8 +23,8 @@ const std::vector<Named>& all_builders() {
       {"scan-one-axis", KdBuilder(kd::HuntScan{.axes = kd::ScanAxes::kOne})},
       {"scan-hybrid", KdBuilder(kd::HuntScan{.axes = kd::ScanAxes::kHybrid})},
       {"scan-all-axes", KdBuilder(kd::HuntScan{.axes = kd::ScanAxes::kAll})},
-      {"scan-fast", KdBuilder(split::scan_fast())},
-      {"scan-best", KdBuilder(split::scan_best())},
+      {"scan-fast", KdBuilder(ScanBuilder(split::scan_fast()))},
+      {"scan-best", KdBuilder(ScanBuilder(split::scan_best()))},
       {"bvh-sweep", bvh::BvhBuilder{.method = bvh::BvhMethod::kSweep}},
       {"bvh-binned",
        bvh::BvhBuilder{.method = bvh::BvhMethod::kBinned, .leaf = {.split_small = true}}},
@@ -53,8 +53,8 @@ struct Parameter {
 template <class Builder>
 using Parameters = std::vector<Parameter<Builder>>;
 
-const Parameters<split::ScanSplit>& parameters(const split::ScanSplit&) {
-  using B = split::ScanSplit;
+const Parameters<ScanBuilder>& parameters(const ScanBuilder&) {
+  using B = ScanBuilder;
   static const Parameters<B> kParameters = {
       {"samples", [](B& b) -> std::uint32_t& { return b.uniform_samples; }},
       {"uniform_samples", [](B& b) -> std::uint32_t& { return b.uniform_samples; }},
@@ -229,7 +229,7 @@ Status set(Builder& builder, std::string_view key, std::string_view value) {
 
 }  // namespace
 
-AnyBuilder default_builder() { return KdBuilder(split::scan_fast()); }
+AnyBuilder default_builder() { return KdBuilder(ScanBuilder(split::scan_fast())); }
 
 std::vector<std::string_view> builder_names() {
   std::vector<std::string_view> names;

@@ -13,17 +13,30 @@
 #include "accel/published/kd/hunt_scan.h"
 #include "accel/published/kd/median_builders.h"
 #include "accel/published/kd/min_max_builder.h"
+#include "accel/published/kd/plain_rule.h"
 #include "accel/split/scan_split.h"
 #include "proto/result.h"
 
 namespace sightline::accel::published {
 
+/// Our rule, with the choice of the tree that it makes.
+struct ScanBuilder : split::ScanSplit {
+  ScanBuilder() = default;
+  ScanBuilder(const split::ScanSplit& rule)  // NOLINT(google-explicit-constructor): it is the same
+      : split::ScanSplit(rule) {}
+
+  /// The product's tree, which ends in leaf blocks; false: a plain kd-tree, down to leaves.
+  bool blocks = true;
+
+  bool operator==(const ScanBuilder&) const = default;
+};
+
 /// The value of a kd-tree builder: ours, or a paper's.
-using KdBuilder = std::variant<split::ScanSplit, kd::HuntScan, kd::SpatialMedianBuilder,
+using KdBuilder = std::variant<ScanBuilder, kd::HuntScan, kd::SpatialMedianBuilder,
                                kd::ObjectMedianBuilder, kd::ExactBuilder, kd::MinMaxBuilder>;
 
-/// The builder behind the SplitSearch interface (split/split_search.h).
-split::SplitRule rule_of(const KdBuilder& builder);
+/// How the builder grows plain kd-trees.
+kd::PlainRule plain_rule(const KdBuilder& builder);
 
 /// Any builder that has a name.
 struct AnyBuilder : std::variant<KdBuilder, bvh::BvhBuilder> {

@@ -1,11 +1,12 @@
-// Adapters: the papers' kd-tree builders behind SplitSearch, their hierarchies behind WholeTree.
+// Adapters: the papers' kd-tree builders behind SplitSearch, and all trees behind WholeTree.
 #include "accel/published/any_builder.h"
 #include "accel/published/bvh/bvh_tree.h"
+#include "accel/published/kd/plain_tree.h"
 
 namespace sightline::accel::published {
 namespace {
 
-/// The adapter of a builder whose value has choose().
+/// The adapter of a builder whose value has choose() and clips().
 template <class Builder>
 class Search : public split::SplitSearch {
  public:
@@ -15,6 +16,7 @@ class Search : public split::SplitSearch {
                                       kdtree::BuildCounters& counters) const override {
     return builder_.choose(cell, counters);
   }
+  bool clips(std::size_t, std::size_t) const override { return builder_.clips(); }
 
  protected:
   const Builder& builder() const { return builder_; }
@@ -27,7 +29,6 @@ class HuntSearch final : public Search<kd::HuntScan> {
  public:
   using Search::Search;
 
-  bool clips(std::size_t, std::size_t) const override { return builder().clip; }
   bool runs_passes() const override { return true; }
   bool scans_children(std::size_t references) const override {
     return builder().scans_children(references);
@@ -38,48 +39,42 @@ class HuntSearch final : public Search<kd::HuntScan> {
 };
 
 template <class Builder>
-class MedianSearch final : public Search<Builder> {
- public:
-  using Search<Builder>::Search;
-
-  int depth_bound(std::size_t references) const override {
-    return this->builder().depth_bound(references);
-  }
-};
-
-class ExactSearchRule final : public Search<kd::ExactBuilder> {
- public:
-  using Search::Search;
-
-  bool clips(std::size_t, std::size_t) const override { return builder().clips(); }
-  bool takes_runs() const override { return false; }
-};
-
-class MinMaxSearch final : public Search<kd::MinMaxBuilder> {
- public:
-  using Search::Search;
-
-};
-
-split::SplitRule make(const split::ScanSplit& b) { return split::make_rule(b); }
-split::SplitRule make(const kd::HuntScan& b) { return std::make_shared<const HuntSearch>(b); }
-split::SplitRule make(const kd::SpatialMedianBuilder& b) {
-  return std::make_shared<const MedianSearch<kd::SpatialMedianBuilder>>(b);
+split::SplitRule search_by(const Builder& builder) {
+  return std::make_shared<const Search<Builder>>(builder);
 }
-split::SplitRule make(const kd::ObjectMedianBuilder& b) {
-  return std::make_shared<const MedianSearch<kd::ObjectMedianBuilder>>(b);
+
+/// Of rules that do not clip.
+template <class Builder>
+std::optional<split::BoundRule> small_rule(const Builder& builder, bool clips) {
+  return clips ? std::nullopt : builder.bound_rule(kd::kSmallList);
 }
-split::SplitRule make(const kd::ExactBuilder& b) {
-  return std::make_shared<const ExactSearchRule>(b);
+
+kd::PlainRule make(const ScanBuilder& b) {
+  return {.search = split::make_rule(b), .small = small_rule(b, b.clip)};
 }
-split::SplitRule make(const kd::MinMaxBuilder& b) {
-  return std::make_shared<const MinMaxSearch>(b);
+kd::PlainRule make(const kd::HuntScan& b) {
+  return {.search = std::make_shared<const HuntSearch>(b), .small = small_rule(b, b.clip)};
+}
+kd::PlainRule make(const kd::SpatialMedianBuilder& b) {
+  return {.search = search_by(b), .stop = b.stop};
+}
+kd::PlainRule make(const kd::ObjectMedianBuilder& b) {
+  return {.search = search_by(b), .stop = b.stop};
+}
+kd::PlainRule make(const kd::ExactBuilder& b) {
+  kd::PlainRule rule{.search = search_by(b)};
+  if (b.search == kd::ExactSearch::kSweep) rule.events = b;
+  return rule;
+}
+kd::PlainRule make(const kd::MinMaxBuilder& b) {
+  return {.search = search_by(b), .small = small_rule(b, false)};
 }
 
 class BvhMaker final : public mesh::WholeTreeMaker {
  public:
   explicit BvhMaker(const bvh::BvhBuilder& builder) : builder_(builder) {}
-  std::unique_ptr<mesh::WholeTree> make(const geometry::MeshView& mesh) const override {
+  std::unique_ptr<mesh::WholeTree> make(const geometry::MeshView& mesh,
+                                        const mesh::MeshStats&) const override {
     return std::make_unique<bvh::BvhTree>(mesh, builder_);
   }
 
@@ -87,16 +82,31 @@ class BvhMaker final : public mesh::WholeTreeMaker {
   bvh::BvhBuilder builder_;
 };
 
+class PlainTreeMaker final : public mesh::WholeTreeMaker {
+ public:
+  explicit PlainTreeMaker(const kd::PlainRule& rule) : rule_(rule) {}
+  std::unique_ptr<mesh::WholeTree> make(const geometry::MeshView& mesh,
+                                        const mesh::MeshStats& stats) const override {
+    return std::make_unique<kd::PlainTree>(mesh, stats, rule_);
+  }
+
+ private:
+  kd::PlainRule rule_;
+};
+
 }  // namespace
 
-split::SplitRule rule_of(const KdBuilder& builder) {
+kd::PlainRule plain_rule(const KdBuilder& builder) {
   return std::visit([](const auto& b) { return make(b); }, builder);
 }
 
 AnyBuilder::operator mesh::TreeBuilder() const {
   if (const auto* hierarchy = std::get_if<bvh::BvhBuilder>(this))
     return {.whole = std::make_shared<const BvhMaker>(*hierarchy)};
-  return {.rule = rule_of(std::get<KdBuilder>(*this))};
+  const auto& builder = std::get<KdBuilder>(*this);
+  if (const auto* ours = std::get_if<ScanBuilder>(&builder); ours != nullptr && ours->blocks)
+    return {.rule = split::make_rule(*ours)};
+  return {.whole = std::make_shared<const PlainTreeMaker>(plain_rule(builder))};
 }
 
 }  // namespace sightline::accel::published

@@ -28,9 +28,6 @@ struct BoundRule {
 /// Longest list that choose_bound takes.
 inline constexpr std::size_t kMaxBoundScan = 256;
 
-/// Longest list whose subtree is grown as sets of bits (grow/small_subtree.h).
-inline constexpr std::size_t kSmallList = 8;
-
 /// The split of the rule, or nothing for a leaf. The same on every SIMD target. refs: 1 to
 /// kMaxBoundScan. Touches: a pass over the list for every kScanWidth candidates of an axis.
 std::optional<kdtree::Split> choose_bound(std::span<const kdtree::Reference> refs,

@@ -35,7 +35,6 @@ class ScanSearch final : public SplitSearch {
   ChildPlanes child_planes(const geometry::Aabb& child) const override {
     return split::child_planes(child, rule_.uniform_samples);
   }
-  bool makes_blocks() const override { return rule_.blocks; }
   double budget(bool in_blocks) const override {
     const bool is_usual = rule_.budget == kUsualBudget;
     if (in_blocks) return is_usual || rule_.budget == 0 ? kBlockBudget : rule_.budget;

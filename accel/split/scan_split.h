@@ -8,6 +8,7 @@
 #include <string>
 
 #include "accel/split/cost_model.h"
+#include "accel/split/exhaustive_split.h"
 #include "accel/split/split_search.h"
 
 namespace sightline::accel::split {
@@ -47,9 +48,6 @@ struct ScanSplit {
   /// share of it (reference_budget.h). 0: no limit in plain trees, the usual one above blocks.
   /// Range kUsualBudget, 0, 1 to 64.
   double budget = kUsualBudget;
-  /// Finished cells become leaf blocks (SplitSearch::makes_blocks); false: the plain kd-tree, down
-  /// to its leaves.
-  bool blocks = true;
   SahConstants cost{};
 
   bool operator==(const ScanSplit&) const = default;

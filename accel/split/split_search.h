@@ -2,13 +2,10 @@
 #pragma once
 
 #include <cstddef>
-#include <limits>
 #include <optional>
-#include <span>
 
 #include "accel/kdtree/reference.h"
 #include "accel/split/child_scan.h"
-#include "accel/split/exhaustive_split.h"
 #include "accel/split/split_rule.h"
 
 namespace sightline::accel::split {
@@ -37,10 +34,6 @@ class SplitSearch {
   /// Whether a long list may be split by a sample of it.
   virtual bool takes_samples() const { return false; }
 
-  /// Whether trees may begin with runs of triangles. Runs are opened by the rule of membership, so
-  /// a rule that chooses the side of flat boxes must refuse them.
-  virtual bool takes_runs() const { return true; }
-
   /// Whether sifting a list of `references` also counts the first passes over the resulting lists
   /// (sift_and_count). `choose` then gets the counts as CellRefs::first.
   virtual bool scans_children(std::size_t /*references*/) const { return false; }
@@ -48,18 +41,9 @@ class SplitSearch {
   /// For rules that scan children: the planes of the first pass over a child's list.
   virtual ChildPlanes child_planes(const geometry::Aabb& /*child*/) const { return {}; }
 
-  /// Whether cells that are finished become leaf blocks (accel/blocks), which are faster and
-  /// smaller than leaves of a kd-tree. Only in trees over meshes.
-  virtual bool makes_blocks() const { return false; }
-
   /// Limit on references per triangle in a tree (reference_budget.h), or above its leaf blocks,
   /// where a tree ends `in_blocks`; 0: no limit.
   virtual double budget([[maybe_unused]] bool in_blocks) const { return 0; }
-
-  /// Depth at which cells become leaves, for a tree over that many references.
-  virtual int depth_bound(std::size_t /*references*/) const {
-    return std::numeric_limits<int>::max();
-  }
 };
 
 }  // namespace sightline::accel::split

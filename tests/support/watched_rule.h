@@ -26,7 +26,6 @@ class WatchedRule final : public accel::split::SplitSearch {
   }
   bool runs_passes() const override { return rule_->runs_passes(); }
   bool takes_samples() const override { return rule_->takes_samples(); }
-  bool takes_runs() const override { return rule_->takes_runs(); }
   bool scans_children(std::size_t references) const override {
     return rule_->scans_children(references);
   }

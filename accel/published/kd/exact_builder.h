@@ -10,20 +10,13 @@
 
 #include "accel/published/kd/candidate.h"
 
-namespace sightline::accel::kdtree {
-class Slot;
-}
-namespace sightline::accel::grow {
-struct GrowContext;
-}
-
 namespace sightline::accel::published::kd {
 
 enum class ExactSearch : std::uint8_t {
   kNaive,  ///< Scans the whole list for every candidate: O(N^2) (section 4.1).
   kSort,   ///< Sorts the ends of boxes in every cell and sweeps over them: O(N log^2 N)
            ///< (section 4.2).
-  kSweep,  ///< Sorts once for a whole subtree and keeps the order: O(N log N) (section 4.3).
+  kSweep,  ///< Sorts once for a whole tree and keeps the order: O(N log N) (section 4.3).
 };
 
 /// A builder as a value: parameters, `check()`, and `choose()`.
@@ -45,7 +38,7 @@ struct ExactBuilder {
   /// The best candidate; nothing if a leaf is cheaper (and bad refines are used up) or nothing can
   /// be separated. Boxes that lie in the plane are tried on both sides of it (section 3.5). A plane
   /// may lie in a face of the cell if that moves such boxes into a flat cell. kSweep works on whole
-  /// subtrees; for a single cell it sorts.
+  /// trees (event_growth.h); for a single cell it sorts.
   ///
   /// Touches: kNaive: a pass for every candidate. Else, per axis: a pass to make events, the sort,
   /// and a pass to sweep. Threads: any.

@@ -62,6 +62,8 @@ struct HuntScan {
   std::optional<kdtree::Split> choose(const kdtree::CellRefs& cell,
                                       kdtree::BuildCounters& counters) const;
 
+  bool clips() const { return clip; }
+
   /// Whether sifting a list of `references` also counts the first passes of the children
   /// (CellRefs::first). Not for short lists, most of whose children try every bound, and not with
   /// clipping, which changes the counted boxes.

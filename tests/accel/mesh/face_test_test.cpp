@@ -133,8 +133,8 @@ TEST_P(FaceTests, InATreeThatIsNeverBuilt) {
   }
 }
 
-TEST_P(FaceTests, InTreesWithoutBlocks) {
-  split::ScanSplit plain = split::scan_fast();
+TEST_P(FaceTests, InTreesThatAreBuiltWhole) {
+  published::ScanBuilder plain = split::scan_fast();
   plain.blocks = false;
   const std::vector<published::AnyBuilder> builders{published::KdBuilder(plain),
                                                     *published::make_builder("bvh-sweep")};

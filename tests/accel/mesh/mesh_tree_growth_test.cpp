@@ -60,11 +60,7 @@ TEST(MeshTreeGrowth, GrowsOnlyWhereRaysGo) {
 
 /// A tree that is built at once, and one that rays begin.
 struct FullAndLazy {
-  explicit FullAndLazy(bool blocks) {
-    split::ScanSplit rule = split::scan_fast();
-    rule.blocks = blocks;
-    full = make_tree(mesh, published::KdBuilder(rule));
-    lazy = make_tree(mesh, published::KdBuilder(rule));
+  FullAndLazy() : full(make_tree(mesh)), lazy(make_tree(mesh)) {
     kdtree::BuildCounters counters;
     full->expand_all(counters);
     for (const geometry::Ray& ray : rays) ask(*lazy, ray);
@@ -76,20 +72,9 @@ struct FullAndLazy {
   std::unique_ptr<MeshTree> full, lazy;
 };
 
-TEST(MeshTreeGrowth, AFinishedLazyTreeEqualsTheFullTree) {
-  const FullAndLazy trees(false);
-  const kdtree::EpochPin pin;
-  const kdtree::TreeMetrics a = trees.full->metrics(), b = trees.lazy->metrics();
-  EXPECT_EQ(a.nodes, b.nodes);
-  EXPECT_EQ(a.references, b.references);
-  EXPECT_EQ(a.max_depth, b.max_depth);
-  EXPECT_DOUBLE_EQ(a.sah_cost, b.sah_cost);
-  EXPECT_EQ(b.deferred_cells, 0u);
-}
-
 // The cells are the same; which of them share wide nodes depends on what was built at once.
 TEST(MeshTreeGrowth, AFinishedLazyTreeHasTheBlocksOfTheFullTree) {
-  const FullAndLazy trees(true);
+  const FullAndLazy trees;
   for (const geometry::Ray& ray : trees.rays)
     EXPECT_EQ(ask(*trees.full, ray), ask(*trees.lazy, ray));
   const kdtree::EpochPin pin;

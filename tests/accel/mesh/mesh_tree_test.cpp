@@ -11,9 +11,11 @@
 #include "accel/kdtree/tree_metrics.h"
 #include "accel/published/any_builder.h"
 #include "accel/published/bvh/bvh_tree.h"
+#include "accel/published/kd/plain_tree.h"
 #include "tests/accel/check_tree.h"
 #include "tests/accel/mesh/asked_tree.h"
 #include "tests/accel/published/bvh/check_hierarchy.h"
+#include "tests/accel/published/kd/check_plain_tree.h"
 #include "tests/accel/wide/rule_over_mesh.h"
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
@@ -133,20 +135,24 @@ std::vector<geometry::Ray> rays_for(const TestMesh& mesh, std::size_t count) {
   return rays;
 }
 
+/// Of a tree that is built whole.
+void check_whole(const WholeTree& tree, const TestMesh& mesh,
+                 const published::AnyBuilder& builder) {
+  if (!tree.is_built()) return;
+  if (const auto* hierarchy = dynamic_cast<const published::bvh::BvhTree*>(&tree))
+    return tests::check_hierarchy(*hierarchy->built(), mesh);
+  const auto& plain = dynamic_cast<const published::kd::PlainTree&>(tree);
+  const auto& kd = std::get<published::KdBuilder>(builder);
+  const bool is_exact = std::holds_alternative<published::kd::ExactBuilder>(kd);
+  const auto check = is_exact ? tests::check_closed_plain_tree : tests::check_plain_tree;
+  check(*plain.built(), plain.bounds(), mesh, reference_bounds(mesh));
+}
+
+/// Our rules clip in dense cells, or everywhere.
 void check(const MeshTree& tree, const TestMesh& mesh, const published::AnyBuilder& builder) {
   const kdtree::EpochPin pin;
-  if (tree.whole() != nullptr) {
-    const auto& hierarchy = dynamic_cast<const published::bvh::BvhTree&>(*tree.whole());
-    if (hierarchy.is_built()) tests::check_hierarchy(*hierarchy.built(), mesh);
-    return;
-  }
-  const published::KdBuilder& kd = std::get<published::KdBuilder>(builder);
-  const bool may_clip = published::rule_of(kd)->clips(1000, 1000);
-  if (may_clip || std::holds_alternative<published::kd::ExactBuilder>(kd)) {
-    tests::check_closed_tree(*tree.kd(), mesh, reference_bounds(mesh));
-  } else {
-    tests::check_tree(*tree.kd(), mesh, reference_bounds(mesh));
-  }
+  if (tree.whole() != nullptr) return check_whole(*tree.whole(), mesh, builder);
+  tests::check_closed_tree(*tree.kd(), mesh, reference_bounds(mesh));
 }
 
 /// The naive search takes quadratic time.

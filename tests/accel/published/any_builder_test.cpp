@@ -1,7 +1,12 @@
-// Builders and parameters by name.
+// Builders and parameters by name, and the trees that they make.
 #include "accel/published/any_builder.h"
 
 #include <gtest/gtest.h>
+
+#include "accel/kdtree/epoch.h"
+#include "accel/mesh/mesh_tree.h"
+#include "tests/support/mesh_query.h"
+#include "tests/support/scenes.h"
 
 namespace sightline::accel::published {
 namespace {
@@ -109,6 +114,49 @@ TEST(SetParameter, ReachesEveryBuilder) {
     const AnyBuilder before = builder;
     EXPECT_TRUE(set_parameter(builder, key, value)) << name << key;
     EXPECT_NE(builder, before) << name << key;
+  }
+}
+
+TEST(WholeTrees, AreAllButTheProducts) {
+  for (const std::string_view name : builder_names()) {
+    AnyBuilder builder = *make_builder(name);
+    const bool ours = name == "scan-fast" || name == "scan-best";
+    EXPECT_EQ(mesh::TreeBuilder(builder).whole == nullptr, ours) << name;
+    if (!ours) continue;
+    EXPECT_TRUE(set_parameter(builder, "blocks", "off"));
+    EXPECT_NE(mesh::TreeBuilder(builder).whole, nullptr) << name;
+  }
+}
+
+TEST(WholeTrees, OnlyRaysThatMayBuildBuild) {
+  const tests::TestMesh mesh = tests::icosphere(3);
+  for (const std::string_view name : builder_names()) {
+    const AnyBuilder builder = *make_builder(name);
+    if (mesh::TreeBuilder(builder).whole == nullptr) continue;
+    mesh::MeshTree tree(mesh.view(), mesh::compute_mesh_stats(mesh.view()), builder);
+    const auto ask = [&](mesh::OnDeferred on_deferred) {
+      const kdtree::EpochPin pin;
+      tests::MeshQuery query;
+      query.ray = *geometry::make_local_ray({0.1, 0.2, 3}, {0, 0, -1});
+      query.cells.on_deferred = on_deferred;
+      kdtree::WalkCounters walked;
+      kdtree::BuildCounters built;
+      tests::ask(tree, query, walked, built);
+      return query;
+    };
+    EXPECT_EQ(tree.metrics().deferred_cells, 1u);
+    EXPECT_EQ(tree.growth().cells_deferred, 1u);
+    const tests::MeshQuery skipped = ask(mesh::OnDeferred::kSkip),
+                           searched = ask(mesh::OnDeferred::kScan);
+    EXPECT_TRUE(!skipped.found && skipped.saw_deferred);
+    EXPECT_TRUE(searched.found && searched.saw_deferred);
+    EXPECT_TRUE(tree.untouched());
+    const tests::MeshQuery built = ask(mesh::OnDeferred::kExpand);
+    EXPECT_TRUE(built.found && !built.saw_deferred);
+    EXPECT_EQ(built.best_t, searched.best_t);
+    EXPECT_EQ(built.best_primitive, searched.best_primitive);
+    EXPECT_EQ(tree.growth().references_built, mesh.faces.size());
+    EXPECT_GT(tree.bytes(), 0u);
   }
 }
 

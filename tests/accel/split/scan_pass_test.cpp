@@ -46,7 +46,7 @@ void expect_same_choices(const std::vector<kdtree::Reference>& refs, const geome
     const published::AnyBuilder any = *published::make_builder(name);
     const auto* kd = std::get_if<published::KdBuilder>(&any);
     if (kd == nullptr) continue;
-    const SplitRule rule = published::rule_of(*kd);
+    const SplitRule rule = published::plain_rule(*kd).search;
     if (!rule->runs_passes()) continue;
     SCOPED_TRACE(std::string(name) + " " + std::to_string(refs.size()));
     const auto choose = [&](const kdtree::CellRefs& list, kdtree::BuildCounters& counters) {

@@ -16,10 +16,8 @@ namespace {
 
 constexpr std::uint64_t kClusterSeed = 7;
 constexpr std::string_view kBuilders[] = {"scan-fast", "scan-best"};
-/// Bytes a triangle, at any time.
-constexpr double kMostBytes = 160;
-/// With leaf blocks, while a tree grows: what is finished lies beside the lists.
-constexpr double kMostBytesOfBlocks = 200;
+/// Bytes a triangle, and at any time while a tree grows: what is finished lies beside the lists.
+constexpr double kMostBytes = 160, kMostBytesAtATime = 200;
 
 struct Kind {
   std::string_view name;
@@ -36,13 +34,11 @@ std::vector<Kind> kinds() {
 
 class ClusteredMemory : public ::testing::TestWithParam<Kind> {};
 
-void expect_bounded(const AskedTree& tree, std::size_t triangles, bool blocks,
-                    const std::string& what) {
+void expect_bounded(const AskedTree& tree, std::size_t triangles, const std::string& what) {
   const accel::kdtree::TreeMetrics metrics = tree.metrics();
   const auto n = static_cast<double>(triangles);
   EXPECT_LE(static_cast<double>(metrics.bytes), kMostBytes * n) << what;
-  EXPECT_LE(static_cast<double>(metrics.bytes_peak), (blocks ? kMostBytesOfBlocks : kMostBytes) * n)
-      << what;
+  EXPECT_LE(static_cast<double>(metrics.bytes_peak), kMostBytesAtATime * n) << what;
   EXPECT_GE(metrics.bytes_peak, metrics.bytes) << what;
   EXPECT_EQ(metrics.deferred_cells, 0u) << what;
 }
@@ -52,21 +48,16 @@ TEST_P(ClusteredMemory, IsBoundedAtAnyTime) {
     const TestMesh mesh = GetParam().make(size, kClusterSeed);
     const std::vector<accel::geometry::Ray> rays = rays_at(mesh, 60, kClusterSeed);
     for (const std::string_view name : kBuilders) {
-      for (const bool blocks : {true, false}) {
-        const accel::published::AnyBuilder builder =
-            blocks ? *accel::published::make_builder(name) : plain_builder(name);
-        const std::string what =
-            std::string(name) + (blocks ? ", blocks, " : ", ") + std::to_string(size);
-        AskedTree full(mesh, builder), growing(mesh, builder);
-        full.build();
-        expect_bounded(full, mesh.faces.size(), blocks, what + ", full");
-        for (const accel::geometry::Ray& ray : rays) {
-          EXPECT_EQ(growing.nearest(ray), full.nearest(ray)) << what;
-          expect_bounded(growing, mesh.faces.size(), blocks, what + ", growing");
-        }
-        growing.build();
-        expect_bounded(growing, mesh.faces.size(), blocks, what + ", grown and then built");
+      const std::string what = std::string(name) + ", " + std::to_string(size);
+      AskedTree full(mesh, name), growing(mesh, name);
+      full.build();
+      expect_bounded(full, mesh.faces.size(), what + ", full");
+      for (const accel::geometry::Ray& ray : rays) {
+        EXPECT_EQ(growing.nearest(ray), full.nearest(ray)) << what;
+        expect_bounded(growing, mesh.faces.size(), what + ", growing");
       }
+      growing.build();
+      expect_bounded(growing, mesh.faces.size(), what + ", grown and then built");
     }
   }
 }

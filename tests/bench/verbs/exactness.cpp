@@ -117,9 +117,9 @@ Result<std::vector<Row>> run_exactness(const CommonOptions& common,
                                        const ExactnessOptions& options) {
   const auto builder = configured_builder(options.builder, common);
   if (!builder.ok()) return builder.error();
-  if (std::holds_alternative<accel::published::bvh::BvhBuilder>(*builder)) {
+  if (accel::mesh::TreeBuilder(*builder).whole != nullptr) {
     return Error{Code::kInvalidArgument,
-                 options.builder + ": exactness walks kd-trees; for hierarchies, see trace",
+                 options.builder + ": exactness walks the product's trees; for others, see trace",
                  "COMMAND_LINE"};
   }
   const auto scene = make_scene(common);

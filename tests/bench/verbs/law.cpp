@@ -51,14 +51,6 @@ struct Ground {
   AreaSampler surface{geometry};
 };
 
-// The law is about kd-trees down to their leaves.
-accel::published::AnyBuilder plain(accel::published::AnyBuilder builder) {
-  if (auto* kd = std::get_if<accel::published::KdBuilder>(&builder)) {
-    if (auto* scan = std::get_if<accel::split::ScanSplit>(kd)) scan->blocks = false;
-  }
-  return builder;
-}
-
 // The windows are grown in parallel, each by one thread.
 Result<LawCount> measure_share(const Task& task, const Ground& ground, const Hierarchy& hierarchy,
                                double share, std::size_t& windows) {
@@ -249,9 +241,13 @@ Result<std::vector<Row>> run_law(const CommonOptions& common, const LawOptions& 
   }
   const auto builder = configured_builder(options.builder, common);
   if (!builder.ok()) return builder.error();
+  if (accel::mesh::TreeBuilder(*builder).whole != nullptr) {
+    return Error{Code::kInvalidArgument,
+                 options.builder + ": trees that are built whole have no law", "COMMAND_LINE"};
+  }
   const auto hierarchies = parse_hierarchies(options.hierarchies);
   if (!hierarchies.ok()) return hierarchies.error();
-  const Task task{common, options, plain(*builder), *hierarchies};
+  const Task task{common, options, *builder, *hierarchies};
   return common.scene.empty() ? law_of_terrain(task) : law_of_scene(task);
 }
 

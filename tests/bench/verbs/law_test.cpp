@@ -43,19 +43,21 @@ TEST(VerbLaw, TouchesAreLinearInTheSceneAndNearlyInWhatIsSeen) {
   const auto fits = rows_of(*rows, "fit");
   ASSERT_EQ(fits.size(), 2u);
   // Slightly above today's counts, and well below the cost of one more pass over every list.
-  const std::map<std::string, std::pair<double, double>> most{{"soup", {6, 4.5}},
-                                                              {"runs", {1.5, 4.5}}};
+  const std::map<std::string, std::pair<double, double>> most{{"soup", {5.2, 0.8}},
+                                                              {"runs", {0.7, 0.4}}};
   for (const Row& fit : fits) {
     SCOPED_TRACE(fit.dump());
     const auto [a, b] = most.at(fit["hierarchy"]);
     EXPECT_EQ(fit["points"], 5 * 11);
     EXPECT_LE(fit["a"].get<double>(), a);
     EXPECT_LE(fit["b"].get<double>(), b);
-    EXPECT_GE(fit["r_squared"].get<double>(), 0.95);
-    // Small trees of runs improve in steps, as levels of runs begin to help.
-    if (fit["hierarchy"] == "runs") continue;
+    // Small trees of runs improve in steps, as levels of runs begin to help, and end in blocks
+    // soon.
+    const bool runs = fit["hierarchy"] == "runs";
+    EXPECT_GE(fit["r_squared"].get<double>(), runs ? 0.8 : 0.95);
+    if (runs) continue;
     EXPECT_GE(fit["r_squared_log"].get<double>(), 0.93);
-    EXPECT_LE(fit["max_residual"].get<double>(), 0.5);
+    EXPECT_LE(fit["max_residual"].get<double>(), 0.65);
   }
 }
 

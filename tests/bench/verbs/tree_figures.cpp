@@ -8,6 +8,8 @@
 #include "accel/mesh/mesh_tree.h"
 #include "accel/published/bvh/bvh_tree.h"
 #include "accel/published/bvh/traverse.h"
+#include "accel/published/kd/plain_tree.h"
+#include "accel/published/kd/traverse.h"
 #include "tests/bench/verbs/end_point_overlap.h"
 #include "tests/support/all_instances.h"
 #include "tests/support/walk_in_doubles.h"
@@ -16,6 +18,8 @@ namespace sightline::bench {
 
 using accel::geometry::Vec3d;
 using accel::geometry::Vec3f;
+using accel::published::bvh::BvhTree;
+using accel::published::kd::PlainTree;
 
 namespace {
 
@@ -94,22 +98,23 @@ class LeafMarker {
   Vec3d origin_, direction_;
 };
 
-// The same for the boxes of a hierarchy.
-class BvhLeafMarker {
+// The same for a tree that is built whole, as its own walk enters leaves.
+template <class Tree>
+class WholeLeafMarker {
  public:
-  BvhLeafMarker(const accel::published::bvh::Bvh& bvh, std::vector<bool>& seen)
-      : bvh_(bvh), seen_(seen) {}
+  WholeLeafMarker(const Tree& tree, const accel::geometry::Aabb& bounds, std::vector<bool>& seen)
+      : tree_(tree), bounds_(bounds), seen_(seen) {}
 
   void mark(const Vec3d& origin, const Vec3d& direction, double tmin, double tmax) {
     accel::geometry::LocalRay local;
     accel::kdtree::TreeRay ray;
     if (!accel::geometry::set_local_ray(origin, direction, local) ||
-        !accel::kdtree::enter(local, bvh_.root.box, tmin / local.unit, tmax / local.unit, ray)) {
+        !accel::kdtree::enter(local, bounds_, tmin / local.unit, tmax / local.unit, ray)) {
       return;
     }
     accel::kdtree::WalkCounters unused;
     Visit visit{seen_, ray.t_out};
-    accel::published::bvh::walk(bvh_, ray, unused, visit);
+    walk(tree_, ray, unused, visit);
   }
 
  private:
@@ -120,9 +125,11 @@ class BvhLeafMarker {
       for (const std::uint32_t face : faces) seen[face] = true;
       return false;
     }
+    bool references(std::span<const accel::kdtree::Reference>) { return false; }
     double limit() const { return t_out; }
   };
-  const accel::published::bvh::Bvh& bvh_;
+  const Tree& tree_;
+  const accel::geometry::Aabb& bounds_;
   std::vector<bool>& seen_;
 };
 
@@ -152,7 +159,7 @@ accel::kdtree::TreeMetrics measure_meshes(const scenegraph::revision::Snapshot& 
 std::optional<double> end_point_overlap(const scenegraph::revision::Snapshot& snapshot) {
   std::optional<double> sum;
   for (const scenegraph::model::Mesh* mesh : snapshot.meshes()) {
-    const auto* tree = dynamic_cast<const accel::published::bvh::BvhTree*>(mesh->tree().whole());
+    const auto* tree = dynamic_cast<const BvhTree*>(mesh->tree().whole());
     if (tree == nullptr || tree->built() == nullptr) continue;
     sum = sum.value_or(0) + bench::end_point_overlap(*tree->built(), mesh->view());
   }
@@ -194,8 +201,12 @@ void SeenTriangles::add(std::span<const accel::geometry::Ray> rays,
     if (tree.kd() != nullptr) {
       mark_all(LeafMarker(*tree.kd(), marks));
     } else if (tree.whole()->is_built()) {
-      const auto& hierarchy = dynamic_cast<const accel::published::bvh::BvhTree&>(*tree.whole());
-      mark_all(BvhLeafMarker(*hierarchy.built(), marks));
+      if (const auto* plain = dynamic_cast<const PlainTree*>(tree.whole())) {
+        mark_all(WholeLeafMarker(*plain->built(), plain->bounds(), marks));
+      } else {
+        const auto& bvh = *dynamic_cast<const BvhTree&>(*tree.whole()).built();
+        mark_all(WholeLeafMarker(bvh, bvh.root.box, marks));
+      }
     }
   }
 }

@@ -189,8 +189,7 @@ Wrong check_trees(const SoupCase& soup, const std::vector<Asked>& asked) {
   // Builders of the papers may cut until capacity ends; ours have a budget of references.
   const bool within_capacity =
       soup.parameters.empty() && (soup.builder == "scan-fast" || soup.builder == "scan-best");
-  const accel::mesh::TreeBuilder made = builder;
-  const bool blocks = made.whole == nullptr && made.rule->makes_blocks();
+  const bool blocks = accel::mesh::TreeBuilder(builder).whole == nullptr;
   MeshTree full(view, survey, builder, soup.references);
   accel::kdtree::BuildCounters counters;
   full.expand_all(counters);

@@ -1,5 +1,4 @@
-// Whole trees of the exact builders: naive, sorted, swept, cell by cell and on many threads are all
-// equal.
+// Trees from sorted events, and cell by cell by the naive and the sorted search, are equal.
 #include "accel/published/kd/event_growth.h"
 
 #include <gtest/gtest.h>
@@ -7,92 +6,51 @@
 
 #include <algorithm>
 #include <functional>
-#include <memory>
 #include <string>
 #include <tuple>
 #include <vector>
 
-#include "accel/grow/grow.h"
-#include "accel/kdtree/epoch.h"
-#include "accel/kdtree/tree_metrics.h"
-#include "accel/lazy/lazy_tree.h"
-#include "accel/mesh/face_boxes.h"
-#include "accel/mesh/mesh_tree.h"
+#include "accel/mesh/mesh_stats.h"
 #include "accel/published/any_builder.h"
-#include "accel/split/split_search.h"
-#include "tests/accel/boxes.h"
-#include "tests/accel/check_tree.h"
+#include "accel/published/kd/plain_tree.h"
+#include "tests/accel/published/kd/check_plain_tree.h"
 #include "tests/accel/published/kd/cuts.h"
+#include "tests/support/hard_meshes.h"
+#include "tests/support/random.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::accel::published::kd {
 namespace {
 
-using tests::bounds_of;
 using tests::TestMesh;
 
-/// The references of a leaf, or of a deferred cell that failed for lack of capacity, as a set.
-std::vector<std::uint32_t> held(const kdtree::KdTree& tree, kdtree::Slot slot) {
-  std::vector<std::uint32_t> ids;
-  if (slot.is_deferred()) {
-    ids = tests::ids_of(slot.cell()->list);
-  } else if (slot.leaf_count() > 0) {
-    std::uint32_t storage;
-    const auto leaf = tree.leaf(slot, storage);
-    ids.assign(leaf.begin(), leaf.end());
-  }
-  std::sort(ids.begin(), ids.end());
-  return ids;
-}
-
-void expect_same(const kdtree::KdTree& a, kdtree::Slot at, const kdtree::KdTree& b,
-                 kdtree::Slot other, std::size_t& cells) {
-  ++cells;
-  ASSERT_EQ(at.tag(), other.tag());
-  if (at.is_binary()) {
-    ASSERT_EQ(at.position(), other.position());
-    for (std::size_t i = 0; i < 2; ++i)
-      expect_same(a, kdtree::load(a.children(at)[i]), b, kdtree::load(b.children(other)[i]), cells);
+void expect_same(const PlainCells& a, PlainNode at, const PlainCells& b, PlainNode other) {
+  ASSERT_EQ(at.is_leaf(), other.is_leaf());
+  ASSERT_EQ(at.is_failed(), other.is_failed());
+  if (at.is_leaf()) {
+    ASSERT_EQ(tests::ids_of(a, at), tests::ids_of(b, other));
     return;
   }
-  ASSERT_EQ(held(a, at), held(b, other));
+  ASSERT_EQ(at.axis(), other.axis());
+  ASSERT_EQ(at.position(), other.position());
+  for (std::size_t i = 0; i < 2; ++i)
+    expect_same(a, a.pairs.at(at.pair())[i], b, b.pairs.at(other.pair())[i]);
 }
 
-std::size_t expect_same(const kdtree::KdTree& a, const kdtree::KdTree& b) {
-  std::size_t cells = 0;
-  expect_same(a, kdtree::load(a.root()), b, kdtree::load(b.root()), cells);
-  return cells;
+void expect_same(const PlainTree& a, const PlainTree& b) {
+  ASSERT_EQ(a.cells(), b.cells());
+  expect_same(*a.built(), a.built()->root, *b.built(), b.built()->root);
 }
 
-lazy::ReferenceSource source_of_faces(const geometry::MeshView& mesh) {
-  lazy::ReferenceSource source;
-  source.coarsest = [mesh](kdtree::BuildCounters&) {
-    return lazy::ReferenceSource::Coarsest{.slots = mesh.faces.size()};
-  };
-  source.list = [mesh](std::size_t begin, std::size_t end, kdtree::Reference* out,
-                       kdtree::BuildCounters&) {
-    return mesh::face_references(mesh, begin, end, out);
-  };
-  return source;
-}
-
-std::unique_ptr<lazy::LazyTree> make_tree(const TestMesh& mesh, const geometry::MeshView& view,
-                                          const ExactBuilder& builder) {
-  const mesh::MeshStats survey = mesh::compute_mesh_stats(mesh.view());
-  return std::make_unique<lazy::LazyTree>(padded(survey.bounds), survey.finite_triangles,
-                                          rule_of(builder), source_of_faces(view), &view);
-}
-
-void touch_all(lazy::LazyTree& tree, kdtree::AtomicSlot& slot) {
-  kdtree::BuildCounters counters;
-  while (kdtree::load(slot).is_deferred() &&
-         tree.expand(slot, lazy::WhenPending::kWait, counters) == lazy::ExpandResult::kRetry) {
+/// A built tree. The mesh must outlive it.
+struct BuiltTree {
+  BuiltTree(const TestMesh& mesh, const ExactBuilder& builder, int threads = 1)
+      : tree(mesh.view(), mesh::compute_mesh_stats(mesh.view()), plain_rule(builder)) {
+    tbb::task_arena(threads).execute([&] { tree.build(counters); });
   }
-  if (!kdtree::load(slot).is_binary()) return;
-  kdtree::AtomicSlot* children = tree.tree().children(kdtree::load(slot));
-  touch_all(tree, children[0]);
-  touch_all(tree, children[1]);
-}
+  kdtree::BuildCounters counters;
+  PlainTree tree;
+};
 
 /// Triangles with corners on a lattice: many flat ones, many equal bounds.
 TestMesh lattice_soup(std::uint32_t n, std::uint64_t seed) {
@@ -141,23 +99,14 @@ class EveryScene : public ::testing::TestWithParam<Case> {};
 
 TEST_P(EveryScene, ThreeSearchesBuildTheSameTree) {
   const TestMesh mesh = GetParam().make();
-  const geometry::MeshView view = mesh.view();
   for (const auto& [clip, lambda, bad_refines] :
        {std::tuple(true, 0.8, 0u), {true, 1.0, 0u}, {false, 0.8, 0u}, {true, 0.8, 1u}}) {
     ExactBuilder builder{.costs = {.lambda = lambda}, .bad_refines = bad_refines, .clip = clip};
-    std::vector<std::unique_ptr<lazy::LazyTree>> trees;
-    for (const ExactSearch search : tests::kExactSearches) {
+    builder.search = ExactSearch::kSweep;
+    const BuiltTree swept(mesh, builder);
+    for (const ExactSearch search : {ExactSearch::kNaive, ExactSearch::kSort}) {
       builder.search = search;
-      trees.push_back(make_tree(mesh, view, builder));
-      kdtree::BuildCounters counters;
-      trees.back()->expand_all(counters);
-    }
-    trees.push_back(make_tree(mesh, view, builder));  // Cell by cell
-    const kdtree::EpochPin pin;
-    touch_all(*trees.back(), trees.back()->root());
-    for (std::size_t i = 1; i < trees.size(); ++i) {
-      const kdtree::TreeMetrics m = measure(trees[0]->tree());
-      EXPECT_EQ(expect_same(trees[0]->tree(), trees[i]->tree()), m.nodes + m.deferred_cells);
+      expect_same(swept.tree, BuiltTree(mesh, builder).tree);
     }
   }
 }
@@ -167,86 +116,37 @@ INSTANTIATE_TEST_SUITE_P(Scenes, EveryScene, ::testing::ValuesIn(cases()),
 
 TEST(ExactTrees, SortAndSweepBuildTheSameLargeTree) {
   const TestMesh mesh = tests::random_soup(20000, 0.02, 5);
-  const geometry::MeshView view = mesh.view();
-  std::vector<std::unique_ptr<lazy::LazyTree>> trees;
-  for (const ExactSearch search : {ExactSearch::kSort, ExactSearch::kSweep}) {
-    trees.push_back(make_tree(mesh, view, {.search = search}));
-    kdtree::BuildCounters counters;
-    trees.back()->expand_all(counters);
-  }
-  const kdtree::EpochPin pin;
-  EXPECT_GT(expect_same(trees[0]->tree(), trees[1]->tree()), mesh.faces.size());
+  const BuiltTree sorted(mesh, {.search = ExactSearch::kSort}), swept(mesh, {});
+  expect_same(sorted.tree, swept.tree);
+  EXPECT_GT(swept.tree.cells(), mesh.faces.size());
 }
 
 TEST(ExactTrees, ThreadsBuildTheSameTree) {
   const TestMesh mesh = tests::random_soup(20000, 0.02, 6);
-  const geometry::MeshView view = mesh.view();
-  std::vector<std::unique_ptr<lazy::LazyTree>> trees;
-  std::vector<std::uint64_t> touches;
-  for (const int threads : {1, 4}) {
-    tbb::task_arena arena(threads);
-    trees.push_back(make_tree(mesh, view, {}));
-    kdtree::BuildCounters counters;
-    arena.execute([&] { trees.back()->expand_all(counters); });
-    touches.push_back(counters.touches);
-  }
-  const kdtree::EpochPin pin;
-  expect_same(trees[0]->tree(), trees[1]->tree());
-  EXPECT_EQ(touches[0], touches[1]);
+  const BuiltTree alone(mesh, {}), together(mesh, {}, 4);
+  expect_same(alone.tree, together.tree);
+  EXPECT_EQ(alone.counters.touches, together.counters.touches);
 }
 
-/// Instances of a scene: heavy references that cannot be clipped.
-TEST(ExactTrees, SweepHonoursWeightsWithoutAMesh) {
-  const std::vector<kdtree::Reference> refs = tests::lattice_boxes(200, 50, 8);
-  std::vector<std::unique_ptr<lazy::LazyTree>> trees;
-  for (const ExactSearch search : tests::kExactSearches) {
-    trees.push_back(std::make_unique<lazy::LazyTree>(bounds_of(refs), refs.size(),
-                                                     rule_of(ExactBuilder{.search = search}),
-                                                     lazy::source_of(refs)));
-    kdtree::BuildCounters counters;
-    trees.back()->expand_all(counters);
-  }
-  const kdtree::EpochPin pin;
-  expect_same(trees[0]->tree(), trees[1]->tree());
-  EXPECT_GT(expect_same(trees[0]->tree(), trees[2]->tree()), 3u);
+std::vector<kdtree::Reference> failed(const BuiltTree& built) {
+  std::vector<kdtree::Reference> refs = built.tree.built()->failed;
+  std::ranges::sort(refs, {}, [](const kdtree::Reference& ref) {
+    return std::tuple(ref.id, ref.lo.x, ref.lo.y, ref.lo.z);
+  });
+  return refs;
 }
 
-TEST(ExactTrees, ACancelledSweepLeavesUsableLists) {
-  const TestMesh mesh = tests::random_soup(20000, 0.02, 9);
-  const geometry::MeshView view = mesh.view();
-  const auto whole = make_tree(mesh, view, {}), parts = make_tree(mesh, view, {});
-  kdtree::BuildCounters counters;
-  whole->expand_all(counters);
-  const kdtree::EpochPin pin;
-  // One cut by a ray, then both halves are deferred again by a cancelled sweep of each, then
-  // finished.
-  while (kdtree::load(parts->root()).is_deferred())
-    ASSERT_EQ(parts->expand(parts->root(), lazy::WhenPending::kWait, counters),
-              lazy::ExpandResult::kRetry);
-  const std::atomic<bool> cancelled{true};
-  const kdtree::Slot root = kdtree::load(parts->root());
-  for (std::size_t i = 0; i < 2; ++i) {
-    kdtree::AtomicSlot& child = parts->tree().children(root)[i];
-    const kdtree::DeferredCell& cell = *kdtree::load(child).cell();
-    kdtree::KdTree scratch(cell.box, cell.size);
-    scratch.reserve();
-    const split::SplitRule rule = rule_of(ExactBuilder{});
-    const grow::GrowContext context{scratch, *rule, &view, 60, &cancelled};
-    const kdtree::ReferenceList listed = cell.list.copy();
-    std::vector<kdtree::Reference> list(listed.all().begin(), listed.all().end());
-    const kdtree::Slot again = grow::grow(context, list, cell.box, cell.path, counters);
-    ASSERT_TRUE(again.is_deferred());
-    const kdtree::ReferenceList deferred = again.cell()->list.copy();
-    const auto before = listed.all(), after = deferred.all();
-    ASSERT_EQ(before.size(), after.size());
-    for (std::size_t k = 0; k < before.size(); ++k) {
-      ASSERT_EQ(before[k].id, after[k].id);
-      ASSERT_EQ(before[k].bounds(), after[k].bounds());
-    }
-    delete again.cell();
+TEST(ExactTrees, SortAndSweepFailInTheSameCells) {
+  const TestMesh mesh = tests::find_hard_mesh("fan")->make(3000, 7);
+  const BuiltTree sorted(mesh, {.search = ExactSearch::kSort}), swept(mesh, {});
+  expect_same(sorted.tree, swept.tree);
+  const std::vector<kdtree::Reference> a = failed(sorted), b = failed(swept);
+  ASSERT_GT(a.size(), 0u);
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    ASSERT_EQ(a[i].id, b[i].id);
+    ASSERT_EQ(a[i].bounds(), b[i].bounds());
   }
-  parts->expand_all(counters);
-  expect_same(whole->tree(), parts->tree());
 }
 
 }  // namespace

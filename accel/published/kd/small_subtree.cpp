@@ -1,15 +1,14 @@
 // Subtrees of a few references, compiled once per SIMD target and chosen at run time.
-#include "accel/grow/small_subtree.h"
+#include "accel/published/kd/small_subtree.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
 #include <limits>
-#include <new>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "accel/grow/small_subtree.cpp"
+#define HWY_TARGET_INCLUDE "accel/published/kd/small_subtree.cpp"
 #include <hwy/foreach_target.h>
 // foreach_target.h comes before highway.h.
 #include <hwy/highway.h>
@@ -17,41 +16,38 @@
 #include "accel/split/bound_cost-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sightline::accel::grow {
+namespace sightline::accel::published::kd {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 /// A set of references: bit i is reference i.
 using Set = std::uint8_t;
 /// Number of bounds along one axis; lower bounds come first.
-constexpr std::size_t kBounds = 2 * split::kSmallList;
+constexpr std::size_t kBounds = 2 * kSmallList;
 
 class SmallGrowth {
  public:
-  SmallGrowth(const GrowContext& context, const split::BoundRule& rule,
-              std::span<const kdtree::Reference> refs, kdtree::BuildCounters& counters)
-      : context_(context), rule_(rule), refs_(refs), counters_(counters) {
+  SmallGrowth(const split::BoundRule& rule, int max_depth, std::span<const kdtree::Reference> refs,
+              const PlainTask& task)
+      : rule_(rule), max_depth_(max_depth), refs_(refs), task_(task) {
     prepare();
   }
 
-  kdtree::Slot grow(Set set, const geometry::Aabb& cell, const kdtree::CellPath& path) {
+  PlainNode grow(Set set, const geometry::Aabb& cell, int depth) {
     const auto size = static_cast<std::size_t>(std::popcount(set));
     Choice cut;
-    if (path.depth < context_.max_depth && size > 0) cut = choose(set, size, cell);
-    if (!cut.found()) return leaf(set, cell, path);
-    const std::optional<std::uint32_t> pair = context_.tree.allocate_pair();
-    if (!pair) return give_up(set, cell, path);
-    counters_.touches += size;
+    if (depth < max_depth_ && size > 0) cut = choose(set, size, cell);
+    if (!cut.found()) return task_.out.leaf(list_of(set));
+    if (!task_.out.may_cut()) return task_.out.failed_leaf(list_of(set));
+    task_.counters.touches += size;
     const Axis& axis = axes_[static_cast<std::size_t>(cut.plane.axis)];
     const Set left = set & axis.below[cut.bound], right = set & axis.above[cut.bound];
-    if (left == set && right == set) return leaf(set, cell, path);  // separates nothing
+    if (left == set && right == set) return task_.out.leaf(list_of(set));  // separates nothing
     const geometry::HalvedCell halves = halve(cell, cut.plane.axis, cut.plane.position);
-    const kdtree::CellPath below = path.below(kdtree::Split{cut.plane});
-    const kdtree::Slot slot = kdtree::Slot::binary(cut.plane, *pair);
-    kdtree::AtomicSlot* children = context_.tree.children(slot);
-    children[0].store(grow(left, halves.left, below).bits(), std::memory_order_relaxed);
-    children[1].store(grow(right, halves.right, below).bits(), std::memory_order_relaxed);
-    return slot;
+    const std::uint32_t pair = task_.out.begin_pair();
+    const PlainNode below = grow(left, halves.left, depth + 1);
+    task_.out.end_pair(pair, below, grow(right, halves.right, depth + 1));
+    return PlainNode::inner(cut.plane, pair);
   }
 
  private:
@@ -77,7 +73,7 @@ class SmallGrowth {
     for (std::size_t i = 0; i < refs_.size(); ++i) {
       for (std::size_t a = 0; a < 3; ++a) {
         axes_[a].at[i] = refs_[i].lo[a];
-        axes_[a].at[split::kSmallList + i] = refs_[i].hi[a];
+        axes_[a].at[kSmallList + i] = refs_[i].hi[a];
       }
     }
     for (std::size_t a = 0; a < 3; ++a) find_sides(axes_[a], a);
@@ -159,7 +155,7 @@ class SmallGrowth {
           inside, rule.children(df, x, weight(axis.below), weight(axis.above)), none);
       costs.least = hn::Min(costs.least, costs.at[p]);
     }
-    counters_.touches += (candidates + split::kScanWidth - 1) / split::kScanWidth * size;
+    task_.counters.touches += (candidates + split::kScanWidth - 1) / split::kScanWidth * size;
   }
 
   /// Finds the least position among the splits of that cost, and a bound there.
@@ -191,58 +187,35 @@ class SmallGrowth {
     return std::span(list_).first(n);
   }
 
-  kdtree::Slot leaf(Set set, const geometry::Aabb& cell, const kdtree::CellPath& path) {
-    if (set == 0) return kdtree::Slot::empty_leaf();
-    if (std::has_single_bit(set))
-      return kdtree::Slot::single(refs_[static_cast<std::size_t>(std::countr_zero(set))].id);
-    const std::optional<kdtree::Slot> slot = context_.tree.make_leaf(list_of(set));
-    return slot ? *slot : give_up(set, cell, path);
-  }
-
-  /// As Growth::give_up.
-  kdtree::Slot give_up(Set set, const geometry::Aabb& cell, const kdtree::CellPath& path) {
-    if (context_.rule.budget(false) != 0) throw std::bad_alloc();
-    const std::span<const kdtree::Reference> refs = list_of(set);
-    kdtree::ReferenceList list(refs.size());
-    std::copy(refs.begin(), refs.end(), list.all().begin());
-    return context_.tree.defer(std::move(list), cell, path, kdtree::KdTree::Waits::kFailed);
-  }
-
-  const GrowContext& context_;
   const split::BoundRule& rule_;
-  std::span<const kdtree::Reference> refs_;
-  kdtree::BuildCounters& counters_;
+  const int max_depth_;
+  const std::span<const kdtree::Reference> refs_;
+  const PlainTask& task_;
   std::array<Axis, 3> axes_;
-  std::array<kdtree::Reference, split::kSmallList> list_;
+  std::array<kdtree::Reference, kSmallList> list_;
 };
 
-kdtree::Slot small(const GrowContext& context, const split::BoundRule& rule,
-                   std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,
-                   const kdtree::CellPath& path, kdtree::BuildCounters& counters) {
+PlainNode small(const split::BoundRule& rule, int max_depth,
+                std::span<const kdtree::Reference> refs, const geometry::Aabb& cell, int depth,
+                const PlainTask& task) {
   const auto all = static_cast<Set>((1u << refs.size()) - 1);
-  return SmallGrowth(context, rule, refs, counters).grow(all, cell, path);
+  return SmallGrowth(rule, max_depth, refs, task).grow(all, cell, depth);
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sightline::accel::grow
+}  // namespace sightline::accel::published::kd
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sightline::accel::grow {
+namespace sightline::accel::published::kd {
 
 HWY_EXPORT(small);
 
-bool is_small(std::span<const kdtree::Reference> refs) {
-  return refs.size() <= split::kSmallList &&
-         std::all_of(refs.begin(), refs.end(),
-                     [](const kdtree::Reference& ref) { return ref.weight == 1; });
+PlainNode grow_small(const split::BoundRule& rule, int max_depth,
+                     std::span<const kdtree::Reference> refs, const geometry::Aabb& cell, int depth,
+                     const PlainTask& task) {
+  return HWY_DYNAMIC_DISPATCH(small)(rule, max_depth, refs, cell, depth, task);
 }
 
-kdtree::Slot grow_small(const GrowContext& context, const split::BoundRule& rule,
-                        std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,
-                        const kdtree::CellPath& path, kdtree::BuildCounters& counters) {
-  return HWY_DYNAMIC_DISPATCH(small)(context, rule, refs, cell, path, counters);
-}
-
-}  // namespace sightline::accel::grow
+}  // namespace sightline::accel::published::kd
 #endif  // HWY_ONCE
