@@ -21,6 +21,7 @@ struct TreeMetrics {
   std::uint64_t references = 0;  ///< In all leaves.
   int max_depth = 0;             ///< Largest depth of a leaf; 0 if the root is a leaf.
   std::uint64_t deferred_cells = 0;
+  std::uint64_t failed_cells = 0;     ///< Of plain trees: cells that there was no room to divide.
   double expected_traversals = 0;     ///< Inner nodes met (E_T).
   double expected_leaves = 0;         ///< Leaves met, empty ones included (E_L).
   double expected_intersections = 0;  ///< References in the leaves met (E_I).

@@ -7,10 +7,10 @@
 #include <new>
 #include <utility>
 
-#include "accel/grow/subtrees.h"
 #include "accel/grow/fork.h"
 #include "accel/grow/grow.h"
 #include "accel/grow/reference_budget.h"
+#include "accel/grow/subtrees.h"
 #include "accel/kdtree/epoch.h"
 #include "accel/lazy/demand_costs.h"
 #include "accel/lazy/eviction.h"
@@ -38,8 +38,6 @@ CellTask& task_of(kdtree::DeferredCell& cell, const ReferenceSource& source) {
     mine->leave();
   }
   return static_cast<CellTask&>(*work);
-}
-
 }
 
 }  // namespace
