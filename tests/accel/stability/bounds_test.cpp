@@ -55,7 +55,7 @@ Measured measure(const TestMesh& mesh, std::span<const accel::geometry::Ray> ray
   measured.touches = static_cast<double>(tree.built().touches) / n;
   measured.cost.references = static_cast<double>(metrics.references) / n;
   measured.cost.depth = levels_beyond_good(metrics.max_depth, mesh.faces.size());
-  measured.cost.failed_cells = static_cast<double>(metrics.deferred_cells);
+  measured.cost.failed_cells = static_cast<double>(metrics.failed_cells);
   for (const accel::geometry::Ray& ray : rays) tree.nearest(ray);
   measured.work =
       static_cast<double>(tree.walked().steps) + 1.5 * static_cast<double>(tree.walked().tests);
