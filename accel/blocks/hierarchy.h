@@ -1,5 +1,5 @@
-// A binary tree whose leaves are blocks, or lists. It lives in an arena until it is compiled to wide
-// nodes.
+// A binary tree whose leaves are blocks, or lists. It lives in an arena until it is compiled to
+// wide nodes.
 #pragma once
 
 #include <algorithm>

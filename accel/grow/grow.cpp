@@ -7,10 +7,10 @@
 #include <new>
 #include <thread>
 
-#include "accel/grow/subtrees.h"
 #include "accel/grow/cell_cut.h"
 #include "accel/grow/fork.h"
 #include "accel/grow/list_stack.h"
+#include "accel/grow/subtrees.h"
 #include "accel/split/scan_pass.h"
 
 namespace sightline::accel::grow {
@@ -201,7 +201,8 @@ class Growth {
     };
     fork(left, [&, thread = std::this_thread::get_id()] {
       if (std::this_thread::get_id() == thread && left_is_grown)
-        return grow_right(right_list(refs, task.lists), {task.lists, task.finished, right_counters});
+        return grow_right(right_list(refs, task.lists),
+                          {task.lists, task.finished, right_counters});
       ReferenceStack own(context_.tree, refs.right.size(),
                          waiting_below(refs.right.size(), below.right));
       right_finished.emplace(context_);

@@ -105,7 +105,8 @@ kdtree::Slot Subtrees::compile(const Grown& all) {
     slot = slot_of(all);
   } else {
     const std::size_t kept = arena_.bytes_of_words();
-    auto tree = std::make_unique<wide::WideTree>(*all.node, context_.frame.center, arena_.take_words());
+    auto tree =
+        std::make_unique<wide::WideTree>(*all.node, context_.frame.center, arena_.take_words());
     held_.shrink(held_.bytes() - std::min<std::uint64_t>(kept, held_.bytes()));
     slot = context_.tree.finish(std::move(tree));
   }

@@ -21,8 +21,8 @@ inline constexpr int kMaxTreeDepth = 80;
 /// any time.
 class KdTree {
  public:
-  /// A tree of one deferred cell whose list is not made; of an empty list if there are no references.
-  /// `memory`: counts its bytes with those of other trees; null: they are not counted.
+  /// A tree of one deferred cell whose list is not made; of an empty list if there are no
+  /// references. `memory`: counts its bytes with those of other trees; null: they are not counted.
   KdTree(const geometry::Aabb& bounds, std::size_t references, const CellPath& path = {},
          std::shared_ptr<TreeMemory> memory = nullptr);
   ~KdTree();

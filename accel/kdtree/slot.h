@@ -20,7 +20,8 @@ struct WideNode;
 ///     bits 0, 1   what the address is of
 ///     0           a WideNode, aligned to 64 bytes
 ///     1           the words of a leaf block (blocks/block.h), aligned to 4
-///     2           a DeferredCell (bit 2: a thread expands it) or a FinishedSubtree (bit 3), aligned
+///     2           a DeferredCell (bit 2: a thread expands it) or a FinishedSubtree (bit 3),
+///     aligned
 ///                 to 16
 ///     3           a list: the number of references, and their ids; 32-bit words, aligned to 4
 class Slot {
@@ -48,16 +49,16 @@ class Slot {
   constexpr bool is_list() const { return (bits_ & kKind) == kList; }
   /// A cell or a finished subtree, which other threads may replace.
   constexpr bool is_other() const { return (bits_ & kKind) == kOther; }
-  constexpr bool is_finished() const { return (bits_ & (kKind | kFinished)) == (kOther | kFinished); }
+  constexpr bool is_finished() const {
+    return (bits_ & (kKind | kFinished)) == (kOther | kFinished);
+  }
   /// The slot holds a cell: also one that a thread expands.
   constexpr bool is_deferred() const { return (bits_ & (kKind | kFinished)) == kOther; }
   constexpr bool is_expanding() const { return is_deferred() && (bits_ & kClaimed) != 0; }
 
   const WideNode* node() const { return address<WideNode>(); }
   /// Of a block or a list.
-  const std::uint32_t* words() const {
-    return std::bit_cast<const std::uint32_t*>(bits_ & ~kKind);
-  }
+  const std::uint32_t* words() const { return std::bit_cast<const std::uint32_t*>(bits_ & ~kKind); }
   std::span<const std::uint32_t> list() const { return {words() + 1, *words()}; }
   DeferredCell* cell() const { return const_cast<DeferredCell*>(address<DeferredCell>()); }
   const FinishedSubtree* finished() const { return address<FinishedSubtree>(); }

@@ -30,9 +30,15 @@ class GrowingLeaf {
   /// All of these outlive it.
   GrowingLeaf(LazyTree& tree, wide::Packet& packet, CellQuery& query, kdtree::WalkCounters& walked,
               kdtree::BuildCounters& built, Content& content)
-      : tree_(tree), packet_(packet), query_(query), built_(built), content_(content), walked_(walked) {}
+      : tree_(tree),
+        packet_(packet),
+        query_(query),
+        built_(built),
+        content_(content),
+        walked_(walked) {}
 
-  /// Takes the rays through the tree. They are prepared for it (wide::prepare()), or it stays a list.
+  /// Takes the rays through the tree. They are prepared for it (wide::prepare()), or it stays a
+  /// list.
   void walk(std::uint32_t lanes) {
     if (lanes != 0)
       wide::walk(packet_, wide::Child::at(tree_.root()), lanes, wide::Leaf(*this), walked_);

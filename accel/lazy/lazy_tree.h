@@ -8,11 +8,11 @@
 #include <span>
 #include <vector>
 
+#include "accel/grow/grow.h"
 #include "accel/kdtree/kd_tree.h"
 #include "accel/lazy/demand.h"
 #include "accel/lazy/divide.h"
 #include "accel/lazy/eviction.h"
-#include "accel/grow/grow.h"
 #include "accel/wide/frame.h"
 
 namespace sightline::accel::lazy {

@@ -5,8 +5,8 @@
 #include <new>
 #include <utility>
 
-#include "accel/grow/subtrees.h"
 #include "accel/grow/grow.h"
+#include "accel/grow/subtrees.h"
 #include "accel/lazy/lazy_tree.h"
 #include "accel/lazy/opening.h"
 

@@ -7,10 +7,10 @@
 #include <cstdint>
 #include <span>
 
+#include "accel/wide/child.h"
 #include "accel/wide/frame.h"
 #include "accel/wide/packet.h"
 #include "accel/wide/walk.h"
-#include "accel/wide/child.h"
 
 namespace sightline::accel::wide {
 

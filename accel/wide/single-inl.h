@@ -25,7 +25,8 @@ namespace HWY_NAMESPACE {
 using Boxes = Lanes<float, kdtree::kWidth>;
 
 /// What waits on the stack of a walk: a tree above finished subtrees, both of at most kMostLevels.
-inline constexpr std::size_t kStack = 2 * kdtree::kMostLevels * (kdtree::kWidth - 1) + kdtree::kWidth;
+inline constexpr std::size_t kStack =
+    2 * kdtree::kMostLevels * (kdtree::kWidth - 1) + kdtree::kWidth;
 
 /// Numbers of a column of vertices, one for each triangle.
 class Gather {
@@ -135,9 +136,9 @@ class Single {
     return true;
   }
 
-  HWY_INLINE void push_others(const kdtree::WideNode& node, const std::array<float, kdtree::kWidth>& t,
-                              std::size_t first, std::uint32_t others, Child& next,
-                              std::size_t& top) {
+  HWY_INLINE void push_others(const kdtree::WideNode& node,
+                              const std::array<float, kdtree::kWidth>& t, std::size_t first,
+                              std::uint32_t others, Child& next, std::size_t& top) {
     const std::size_t base = top;
     float nearest = t[first];
     for (; others != 0; others &= others - 1) {

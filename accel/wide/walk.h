@@ -5,9 +5,9 @@
 #include <cstdint>
 
 #include "accel/kdtree/walk_counters.h"
+#include "accel/wide/child.h"
 #include "accel/wide/packet.h"
 #include "accel/wide/wide_tree.h"
-#include "accel/wide/child.h"
 
 namespace sightline::accel::wide {
 

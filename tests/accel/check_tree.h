@@ -1,6 +1,6 @@
-// Checks the invariants of every tree: the children of a node lie within it, and a cell or a finished
-// subtree holds exactly its cell's members, or, if the builder clips, all references that a ray can
-// meet there.
+// Checks the invariants of every tree: the children of a node lie within it, and a cell or a
+// finished subtree holds exactly its cell's members, or, if the builder clips, all references that
+// a ray can meet there.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-// The walk of one ray through a finished tree in doubles: for triangle tests other than the product's.
+// The walk of one ray through a finished tree in doubles: for triangle tests other than the
+// product's.
 #pragma once
 
 #include <array>

@@ -7,8 +7,8 @@
 #include <span>
 
 #include "accel/kdtree/reference.h"
-#include "accel/published/bvh/reserved_array.h"
 #include "accel/published/bvh/bvh.h"
+#include "accel/published/bvh/reserved_array.h"
 
 namespace sightline::accel::published::bvh {
 

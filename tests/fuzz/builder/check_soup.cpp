@@ -120,7 +120,8 @@ Answer ask(MeshTree& tree, const SoupCase& soup, const Ray& ray, const LocalRay&
 /// Whether inner nodes have two children each, or, in a tree with leaf blocks, two to eight.
 bool nodes_fit_leaves(const accel::kdtree::TreeMetrics& metrics, bool blocks) {
   const std::uint64_t inner = metrics.nodes - metrics.leaves, others = metrics.leaves - 1;
-  return blocks ? inner <= others && others <= inner * (accel::kdtree::kWidth - 1) : inner == others;
+  return blocks ? inner <= others && others <= inner * (accel::kdtree::kWidth - 1)
+                : inner == others;
 }
 
 /// Floats cannot test its leaf blocks: it is a list for ever.
@@ -140,8 +141,7 @@ Wrong check_metrics(const MeshTree& tree, const accel::mesh::MeshStats& survey,
   const accel::kdtree::TreeMetrics metrics = tree.metrics();
   if (metrics.max_depth > accel::kdtree::kMaxTreeDepth)
     return fmt::format("depth {}", metrics.max_depth);
-  if (metrics.deferred_cells != 0)
-    return fmt::format("{} unbuilt cells", metrics.deferred_cells);
+  if (metrics.deferred_cells != 0) return fmt::format("{} unbuilt cells", metrics.deferred_cells);
   if (finite > 0 && metrics.deferred_cells == 0 && !nodes_fit_leaves(metrics, blocks))
     return fmt::format("{} nodes and {} leaves", metrics.nodes, metrics.leaves);
   if (metrics.nonempty_leaves > metrics.leaves || metrics.references < metrics.nonempty_leaves)
