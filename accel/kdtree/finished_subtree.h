@@ -7,6 +7,7 @@
 
 #include "accel/kdtree/epoch.h"
 #include "accel/kdtree/last_use.h"
+#include "accel/kdtree/slot.h"
 
 namespace sightline::accel::kdtree {
 
@@ -22,6 +23,9 @@ class alignas(16) FinishedSubtree : public Retirable {
   virtual ~FinishedSubtree() = default;
   FinishedSubtree(const FinishedSubtree&) = delete;
   FinishedSubtree& operator=(const FinishedSubtree&) = delete;
+
+  /// A node, a block or a list.
+  virtual Slot root() const = 0;
 
   /// All memory that it takes.
   virtual std::uint64_t size_in_bytes() const = 0;

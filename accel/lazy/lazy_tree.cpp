@@ -16,7 +16,6 @@
 #include "accel/lazy/eviction.h"
 #include "accel/lazy/stall_detector.h"
 #include "accel/lazy/timed.h"
-#include "accel/wide/wide_tree.h"
 
 namespace sightline::accel::lazy {
 namespace {
@@ -271,7 +270,7 @@ kdtree::Slot LazyTree::make_node(Division& division) {
 std::optional<std::uint32_t> LazyTree::only() const {
   const kdtree::Slot root = kdtree::load(tree_.root());
   if (!root.is_finished()) return std::nullopt;
-  const kdtree::Slot leaf = static_cast<const wide::WideTree*>(root.finished())->root();
+  const kdtree::Slot leaf = root.finished()->root();
   if (!leaf.is_list() || leaf.list().size() != 1) return std::nullopt;
   return leaf.list().front();
 }

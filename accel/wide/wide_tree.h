@@ -27,8 +27,7 @@ class WideTree final : public kdtree::FinishedSubtree {
   /// As above, and keeps the blocks where they are: `words` owns their memory.
   WideTree(const blocks::Node& root, const geometry::Vec3f& center, blocks::Chunks words);
 
-  /// A node, a block or a list.
-  kdtree::Slot root() const { return root_; }
+  kdtree::Slot root() const override { return root_; }
   /// As root(), for a ray that comes from the slot.
   kdtree::Slot enter() const {
     last_use.use();

@@ -5,7 +5,6 @@
 
 #include "accel/kdtree/epoch.h"
 #include "accel/lazy/lazy_tree.h"
-#include "accel/wide/wide_tree.h"
 
 namespace sightline::scenegraph::instances {
 namespace {
@@ -21,9 +20,7 @@ constexpr std::size_t kLeavesPerPin = 256;
 template <class Visit>
 void each_leaf(Slot slot, const Aabb& box, const Visit& visit) {
   if (!slot || slot.is_deferred() || slot == Slot::empty_list()) return;
-  if (slot.is_finished()) {
-    slot = static_cast<const accel::wide::WideTree*>(slot.finished())->root();
-  }
+  if (slot.is_finished()) slot = slot.finished()->root();
   if (!slot.is_node()) return visit(box);
   for (std::size_t i = 0; i < accel::kdtree::kWidth; ++i)
     each_leaf(slot.node()->child(i), slot.node()->box(i), visit);
