@@ -6,8 +6,24 @@
 
 #include "accel/kdtree/epoch.h"
 
+#ifdef __SANITIZE_ADDRESS__
+#include <sanitizer/lsan_interface.h>
+#endif
+
 namespace sightline::accel::kdtree {
 namespace {
+
+/// LeakSanitizer does not look for pointers in mapped memory unless it is told to: cells of a tree
+/// that lives when the process ends would be leaks.
+void expect_pointers(const ReservedArray<AtomicSlot>& pairs, bool lives) {
+#ifdef __SANITIZE_ADDRESS__
+  const std::size_t bytes = pairs.capacity() * sizeof(AtomicSlot);
+  lives ? __lsan_register_root_region(pairs.data(), bytes)
+        : __lsan_unregister_root_region(pairs.data(), bytes);
+#else
+  (void)pairs, (void)lives;
+#endif
+}
 
 constexpr std::size_t kSpare = 64;
 
@@ -66,7 +82,10 @@ KdTree::KdTree(const geometry::Aabb& bounds, std::size_t references, const CellP
 KdTree::~KdTree() {
   delete top_.load(std::memory_order_acquire);
   delete_below(*this, load(root_));
-  delete arrays_.load(std::memory_order_acquire);
+  if (const Arrays* arrays = arrays_.load(std::memory_order_acquire)) {
+    expect_pointers(arrays->pairs, false);
+    delete arrays;
+  }
   lists_->add(TreeBytes::kLists, 0 - deferred_bytes());
   lists_->add(TreeBytes::kSubtrees, 0 - lists_->finished.load(std::memory_order_relaxed));
   use_pairs(0 - pairs());
@@ -90,8 +109,10 @@ void KdTree::reserve() {
   if (arrays == nullptr) {
     auto fresh = std::make_unique<Arrays>(ReservedArray<AtomicSlot>(2 * pairs),
                                           ReservedArray<std::uint32_t>(ids));
-    if (arrays_.compare_exchange_strong(arrays, fresh.get(), std::memory_order_acq_rel))
+    if (arrays_.compare_exchange_strong(arrays, fresh.get(), std::memory_order_acq_rel)) {
       arrays = fresh.release();
+      expect_pointers(arrays->pairs, true);
+    }
   }
   // Every thread stores them: the thread that made the arrays may be suspended before this line.
   pairs_.store(arrays->pairs.data(), std::memory_order_relaxed);
