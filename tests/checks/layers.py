@@ -90,6 +90,7 @@ PACKAGES = """
 tbb             accel scenegraph server
 oneapi          accel scenegraph server
 hwy             accel
+sanitizer       accel/kdtree
 fmt             proto server client
 spdlog          server
 prometheus      server
