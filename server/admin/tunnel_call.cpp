@@ -102,8 +102,8 @@ void TunnelCall::start_no_more() {
 void TunnelCall::OnReadDone(bool ok) {
   {
     const std::lock_guard lock(mutex_);
-    // A message that was on its way when the call was cancelled is read by no one. To start another
-    // read, which would fail, is no end: gRPC 1.51 may count its references wrongly then.
+    // No one reads a message that was on its way when the call was cancelled. Another read would
+    // fail and end the call, too, but gRPC 1.51 aborted at times when the server stopped then.
     if (!ok || cancelled_) return start_no_more();
   }
   std::vector<grpc::Slice> slices;
