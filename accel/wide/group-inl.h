@@ -155,7 +155,7 @@ class Group {
     constexpr unsigned kMany = 3;
     std::uint32_t left = block.triangles < kMany ? (2u << (block.triangles - 1)) - 1
                                                  : view_.possible(block, x, y, z);
-    bool nearer = false;  // some ray has a nearer hit
+    bool nearer = false;
     for (; left != 0 && lanes != 0; left &= left - 1) {
       const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
       std::array<Corner, 3> corners;
@@ -169,20 +169,26 @@ class Group {
       if (!judge(corners, {load(rays.error), load(rays.low), load(rays.high), load(rays.cull)},
                  lanes, verdict))
         continue;
-      if constexpr (kGoal == Goal::kAny) {
-        find(packet_, words, i, verdict);
-        lanes &= ~packet_.best->found;
-      } else if constexpr (kGoal == Goal::kEvery) {
-        nearer |= offer_every(packet_, words, i, verdict);
-      } else {
-        nearer |= keep(packet_, words, i, verdict);
-      }
+      nearer |= take(words, i, verdict);
+      if constexpr (kGoal == Goal::kAny) lanes &= ~packet_.best->found;
     }
     if (!nearer) return;
     if constexpr (kGoal == Goal::kEvery) {
       read_limits();
     } else {
       lower_t_out();
+    }
+  }
+
+  /// Returns whether some ray has a nearer hit.
+  HWY_INLINE bool take(const std::uint32_t* words, std::uint32_t triangle, const Verdict& verdict) {
+    if constexpr (kGoal == Goal::kAny) {
+      find(packet_, words, triangle, verdict);
+      return false;
+    } else if constexpr (kGoal == Goal::kEvery) {
+      return offer_every(packet_, words, triangle, verdict);
+    } else {
+      return keep(packet_, words, triangle, verdict);
     }
   }
 

@@ -80,11 +80,6 @@ void TunnelCall::OnWriteDone(bool ok) {
 
 void TunnelCall::want_next() {
   const std::lock_guard lock(mutex_);
-  read_next();
-}
-
-/// With the lock.
-void TunnelCall::read_next() {
   if (over_ || reading_) return;
   reading_ = true;
   StartRead(&incoming_);
@@ -94,15 +89,22 @@ void TunnelCall::cancel() {
   context_.TryCancel();
   const std::lock_guard lock(mutex_);
   cancelled_ = true;
-  read_next();  // it fails, which ends the call
+  if (!reading_) start_no_more();
+}
+
+/// With the lock. The call ends once it has its status.
+void TunnelCall::start_no_more() {
+  if (over_) return;
+  over_ = true;
+  RemoveHold();
 }
 
 void TunnelCall::OnReadDone(bool ok) {
-  if (!ok) {
+  {
     const std::lock_guard lock(mutex_);
-    over_ = true;
-    RemoveHold();
-    return;
+    // No one reads a message that was on its way when the call was cancelled. Another read would
+    // fail and end the call, too, but gRPC 1.51 aborted at times when the server stopped then.
+    if (!ok || cancelled_) return start_no_more();
   }
   std::vector<grpc::Slice> slices;
   std::string message;
@@ -115,8 +117,7 @@ void TunnelCall::OnReadDone(bool ok) {
   {
     const std::lock_guard lock(mutex_);
     reading_ = false;
-    // The message was on its way already. Who cancels does not want the next one.
-    if (cancelled_) return read_next();
+    if (cancelled_) return start_no_more();
   }
   events_.message(std::move(message));
 }

@@ -61,7 +61,7 @@ class TunnelCall final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
 
   TunnelCall(Tunnel& tunnel, Events events) : tunnel_(tunnel), events_(std::move(events)) {}
   void write_next();
-  void read_next();
+  void start_no_more();
 
   Tunnel& tunnel_;
   const Events events_;

@@ -11,6 +11,7 @@
 
 #include "accel/kdtree/epoch.h"
 #include "scenegraph/model/eviction.h"
+#include "server/scenes/applied_updates.h"
 
 namespace sightline::server::scenes {
 

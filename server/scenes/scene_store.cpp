@@ -146,8 +146,8 @@ Status SceneStore::remove(const std::string& name) {
   if (Status known = look_up_while_changing(name); !known) return known;
   const auto removed = find(name);
   if (!removed) return removed.error();
-  if (const auto journal = (*removed)->kept().journal; journal != nullptr) {
-    if (Status dropped = journal->remove(); !dropped) return dropped;
+  if ((*removed)->is_kept()) {
+    if (Status dropped = (*removed)->journal()->remove(); !dropped) return dropped;
   }
   {
     const std::lock_guard lock(mutex_);

@@ -77,13 +77,15 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   bool failed() const { return failed_.load(std::memory_order_acquire); }
 
   const SceneInfo& info() const { return info_; }
+  /// Only while no write is being made: of a scene that is idle, or was not read.
   KeptScene kept() const;
   store::SceneId number() const { return number_; }
   /// The newest revision that is known of a scene that is not loaded. Threads: any.
   std::optional<std::uint64_t> unread() const;
   /// Null if no other server writes to the scene.
   SceneFollower* follower() { return follower_ ? &*follower_ : nullptr; }
-  /// Whether the scene is kept beyond the process.
+  /// What keeps the scene beyond the process; null: nothing does.
+  const std::shared_ptr<Journal>& journal() const { return journal_; }
   bool is_kept() const { return journal_ != nullptr; }
   RevisionToken token(std::uint64_t revision) const { return {incarnation_, revision}; }
 

@@ -53,7 +53,11 @@ class RawPage {
     const int on = 1;
     setsockopt(socket_.number(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     setsockopt(socket_.number(), SOL_SOCKET, SO_RCVTIMEO, &kAnswerLimit, sizeof kAnswerLimit);
-    connect(socket_.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address);
+    // libFuzzer's timer interrupts it; then it goes on by itself.
+    while (connect(socket_.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address) !=
+               0 &&
+           (errno == EINTR || errno == EALREADY))
+      continue;
     send(
         "GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
         "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n\r\n");
@@ -64,8 +68,8 @@ class RawPage {
 
   /// What the socket does not take at once is left out.
   void send(const std::string& bytes) {
-    static_cast<void>(
-        ::send(socket_.number(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT));
+    static_cast<void>(TEMP_FAILURE_RETRY(
+        ::send(socket_.number(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT)));
   }
 
   /// `first`: of the frame. It is masked with zeros.
@@ -84,7 +88,7 @@ class RawPage {
   /// Appends what has come. False: nothing, as the server has closed the connection or is late.
   bool receive(std::string& to, int flags) {
     std::array<char, 65536> part{};
-    const ssize_t got = recv(socket_.number(), part.data(), part.size(), flags);
+    const ssize_t got = TEMP_FAILURE_RETRY(recv(socket_.number(), part.data(), part.size(), flags));
     if (got > 0) to.append(part.data(), static_cast<std::size_t>(got));
     is_late_ = got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK);
     return got > 0;
