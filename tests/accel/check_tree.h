@@ -50,20 +50,20 @@ inline void check_finished(const accel::wide::WideTree& tree, const accel::geome
 /// lists. `cell`: the box of the slot.
 template <class Check>
 void each_cell(accel::kdtree::Slot slot, const accel::geometry::Aabb& cell, int depth,
-               const accel::geometry::Vec3f& center, const Check& check) {
+               const accel::wide::Frame& frame, const Check& check) {
   ASSERT_LE(depth, accel::kdtree::kMaxTreeDepth);
   if (!slot.is_node()) return check(slot, cell);
   for (std::size_t i = 0; i < accel::kdtree::kWidth && slot.node()->child(i); ++i) {
-    const accel::geometry::Aabb child = box_of(*slot.node(), i, center);
+    const accel::geometry::Aabb child = box_of(*slot.node(), i, frame);
     ASSERT_TRUE(lies_in(child, cell));
-    ASSERT_NO_FATAL_FAILURE(each_cell(slot.node()->child(i), child, depth + 1, center, check));
+    ASSERT_NO_FATAL_FAILURE(each_cell(slot.node()->child(i), child, depth + 1, frame, check));
   }
 }
 
 template <class Check>
 void each_cell(const accel::kdtree::KdTree& tree, const Check& check) {
   each_cell(accel::kdtree::load(tree.root()), tree.bounds(), 0,
-            accel::blocks::frame_center(tree.bounds()), check);
+            {accel::blocks::frame_center(tree.bounds()), {}}, check);
 }
 
 /// Sets `held` to what a cell holds, ascending; false if its list is not made.

@@ -99,7 +99,6 @@ struct SharedBoxes : ManyBoxes {
 kdtree::BuildCounters descend(LazyTree& tree, const geometry::Vec3f& point) {
   const kdtree::EpochPin pin;
   kdtree::BuildCounters counters;
-  const geometry::Vec3f& center = tree.frame().center;
   for (kdtree::AtomicSlot* at = &tree.root(); at != nullptr;) {
     const kdtree::Slot slot = kdtree::load(*at);
     if (slot.is_deferred()) {
@@ -108,7 +107,7 @@ kdtree::BuildCounters descend(LazyTree& tree, const geometry::Vec3f& point) {
     }
     at = nullptr;
     for (std::size_t i = 0; slot.is_node() && i < kdtree::kWidth && slot.node()->child(i); ++i) {
-      if (tests::holds_point(tests::box_of(*slot.node(), i, center), point))
+      if (tests::holds_point(tests::box_of(*slot.node(), i, tree.frame()), point))
         at = &slot.node()->slot(i);
     }
   }

@@ -36,7 +36,7 @@ inline bool holds_point(const accel::geometry::Aabb& box, const accel::geometry:
 /// Adds the blocks at and below a slot. Boxes lie in that of their parent, children come first in
 /// their node, and no ray meets the box of one that does not exist.
 inline void list_blocks(accel::kdtree::Slot at, const accel::geometry::Aabb& box,
-                        const accel::geometry::Vec3f& center, std::vector<BoxedBlock>& out) {
+                        const accel::wide::Frame& frame, std::vector<BoxedBlock>& out) {
   if (at.is_block()) {
     out.push_back({box, accel::blocks::Block(at.words())});
     return;
@@ -55,9 +55,9 @@ inline void list_blocks(accel::kdtree::Slot at, const accel::geometry::Aabb& box
       continue;
     }
     ASSERT_FALSE(ended);
-    const accel::geometry::Aabb child = box_of(node, i, center);
+    const accel::geometry::Aabb child = box_of(node, i, frame);
     ASSERT_TRUE(lies_in(child, box));
-    ASSERT_NO_FATAL_FAILURE(list_blocks(node.child(i), child, center, out));
+    ASSERT_NO_FATAL_FAILURE(list_blocks(node.child(i), child, frame, out));
   }
 }
 
@@ -66,7 +66,7 @@ inline void list_blocks(accel::kdtree::Slot at, const accel::geometry::Aabb& box
 inline void list_blocks(const accel::wide::WideTree& tree, const accel::geometry::Aabb& cell,
                         const TestMesh& mesh, const std::vector<accel::geometry::Aabb>& bounds,
                         std::vector<BoxedBlock>& out) {
-  ASSERT_NO_FATAL_FAILURE(list_blocks(tree.root(), cell, tree.center(), out));
+  ASSERT_NO_FATAL_FAILURE(list_blocks(tree.root(), cell, {tree.center(), {}}, out));
   for (const auto& [box, block] : out) {
     std::vector<std::uint32_t> ids;
     for (std::size_t i = 0; i < block.triangles; ++i) {

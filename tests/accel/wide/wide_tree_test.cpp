@@ -191,7 +191,7 @@ TEST(WideTree, NoRayMeetsAChildThatDoesNotExist) {
     const geometry::LocalRay local = *geometry::make_local_ray({0, 0, 0}, {x, 0, -x});
     kdtree::TreeRay ray;
     ASSERT_TRUE(enter(local, of.bounds, -1, 1, ray));
-    EXPECT_FALSE(may_meet(ray, tests::box_of(node, 2, tree.center()), geometry::kInfinity));
+    EXPECT_FALSE(may_meet(ray, tests::box_of(node, 2, of.frame), geometry::kInfinity));
   }
 }
 
@@ -199,8 +199,7 @@ TEST(WideTree, MeasuresNodesLeavesAndTheWorkOfRandomLines) {
   for (const TestMesh& mesh : tree_meshes()) {
     const Compiled compiled(mesh);
     std::vector<BoxedBlock> boxed;
-    tests::list_blocks(compiled.of.tree->root(), compiled.root->box, compiled.of.tree->center(),
-                       boxed);
+    tests::list_blocks(compiled.of.tree->root(), compiled.root->box, compiled.of.frame, boxed);
     Size size;
     measure(compiled.of.tree->root(), size);
     const double root_area = geometry::half_area(compiled.of.bounds);

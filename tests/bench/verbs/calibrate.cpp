@@ -110,9 +110,9 @@ class Growth {
           seconds_of([&] { tree_.expand(slot, accel::lazy::WhenPending::kWait, built); });
     }
     const accel::kdtree::Slot now = accel::kdtree::load(slot);
-    if (!now.is_binary()) return;
-    below(tree_.tree().children(now)[0]);
-    below(tree_.tree().children(now)[1]);
+    if (!now.is_node()) return;
+    for (std::size_t i = 0; i < accel::kdtree::kWidth && now.node()->child(i); ++i)
+      below(now.node()->slot(i));
   }
 
   Expansions divided, finished;

@@ -5,14 +5,11 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <vector>
 
 #include "accel/geometry/intersect.h"
 #include "accel/kdtree/epoch.h"
-#include "accel/kdtree/traverse.h"
 #include "accel/lazy/lazy_tree.h"
-#include "accel/mesh/face_boxes.h"
 #include "accel/mesh/mesh_tree.h"
 #include "scenegraph/trace.h"
 #include "tests/bench/verbs/plain_float.h"
@@ -26,10 +23,8 @@ using accel::geometry::Hit;
 using accel::geometry::LocalRay;
 using accel::geometry::MeshView;
 using accel::geometry::Ray;
-using accel::kdtree::AtomicSlot;
 using accel::kdtree::DeferredCell;
 using accel::kdtree::TreeRay;
-using accel::kdtree::WalkCounters;
 using scenegraph::instances::Instance;
 using scenegraph::instances::Instances;
 
@@ -103,50 +98,21 @@ struct MeshVisit {
   const TreeRay& ray;
   const Test& triangle;
   std::uint64_t node;
-  WalkCounters& walked;
   Answer& answer;
 
   double limit() const { return answer.tmax() / ray.local->unit + ray.slack; }
 
-  /// False: the walk goes on.
-  bool test(std::uint32_t id) {
-    ++walked.tests;
+  void reference(std::uint32_t id) {
     const accel::geometry::Face& f = mesh.faces[id];
     const std::optional<double> local =
         triangle(mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]]);
     if (local) answer.offer(*local * ray.local->unit, node, id);
-    return false;
   }
 
-  void leaf(std::span<const std::uint32_t> ids) {
-    for (const std::uint32_t id : ids) test(id);
-  }
-
-  void finished(const accel::kdtree::FinishedSubtree& subtree) {
-    tests::walk_in_doubles(static_cast<const accel::wide::WideTree&>(subtree), ray, *this, walked);
-  }
-
-  bool deferred(AtomicSlot&, const DeferredCell&) {
-    for (std::uint32_t id = 0; id < mesh.faces.size(); ++id) {
-      if (const auto box = accel::mesh::face_bounds(mesh, id)) search(id, *box);
-    }
-    return false;
-  }
-
-  static bool is_done() { return false; }
-
-  void search(std::uint32_t id, const accel::geometry::Aabb& box) {
-    if (may_meet(ray, box, limit())) test(id);
+  void deferred(const DeferredCell&) {
+    for (std::uint32_t id = 0; id < mesh.faces.size(); ++id) reference(id);
   }
 };
-
-template <class Visit>
-void walk_from_root(const accel::kdtree::KdTree& tree, const TreeRay& ray, WalkCounters& walked,
-                    Visit& visit) {
-  // Nothing is grown here, so a copy of the root's slot suffices.
-  AtomicSlot root(tree.root().load(std::memory_order_acquire));
-  accel::kdtree::walk(tree, ray, root, walked, visit);
-}
 
 template <class Test, class Answer>
 struct SceneVisit {
@@ -154,31 +120,17 @@ struct SceneVisit {
   const Ray& ray;
   const LocalRay& centered;
   double slack;
-  WalkCounters& walked;
   Answer& answer;
-  std::array<std::uint32_t, 8> recent{~0u, ~0u, ~0u, ~0u, ~0u, ~0u, ~0u, ~0u};
-  std::size_t next_recent = 0;
 
   double limit() const { return answer.tmax() / centered.unit + slack; }
 
-  void leaf(std::span<const std::uint32_t> ids) {
-    for (const std::uint32_t id : ids) enter(id);
+  void deferred(const DeferredCell&) {
+    for (const Instance& instance : tests::all_instances(instances)) reference(instance.index);
   }
 
-  static void finished(const accel::kdtree::FinishedSubtree&) {}
-
-  bool deferred(AtomicSlot&, const DeferredCell&) {
-    for (const Instance& instance : tests::all_instances(instances)) enter(instance.index);
-    return false;
-  }
-
-  static bool is_done() { return false; }
-
-  void enter(std::uint32_t id) {
+  void reference(std::uint32_t id) {
     const Instance& instance = instances[id];
     if ((instance.mask & ray.mask) == 0) return;
-    if (std::find(recent.begin(), recent.end(), id) != recent.end()) return;
-    recent[next_recent++ % recent.size()] = id;
     TreeRay in_box;
     if (!accel::kdtree::enter(centered, instance.box, answer.tmin() / centered.unit,
                               answer.tmax() / centered.unit, in_box)) {
@@ -196,8 +148,8 @@ struct SceneVisit {
     }
     const MeshView mesh = instance.mesh->view();
     const Test test(*in_mesh.local);
-    MeshVisit<Test, Answer> visit{mesh, in_mesh, test, instance.node, walked, answer};
-    walk_from_root(tree, in_mesh, walked, visit);
+    MeshVisit<Test, Answer> visit{mesh, in_mesh, test, instance.node, answer};
+    tests::walk_in_doubles(tree, in_mesh, visit);
   }
 };
 
@@ -213,9 +165,8 @@ Answer cast(const Instances& instances, const Ray& ray) {
                             ray.tmax / centered->unit, scene_ray)) {
     return answer;
   }
-  WalkCounters walked;
-  SceneVisit<Test, Answer> visit{instances, ray, *centered, scene_ray.slack, walked, answer};
-  walk_from_root(tree, scene_ray, walked, visit);
+  SceneVisit<Test, Answer> visit{instances, ray, *centered, scene_ray.slack, answer};
+  tests::walk_in_doubles(tree, scene_ray, visit);
   return answer;
 }
 

@@ -2,7 +2,6 @@
 #include "tests/bench/verbs/tree_figures.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "accel/kdtree/epoch.h"
 #include "accel/mesh/mesh_tree.h"
@@ -17,92 +16,36 @@
 namespace sightline::bench {
 
 using accel::geometry::Vec3d;
-using accel::geometry::Vec3f;
 using accel::published::bvh::BvhTree;
 using accel::published::kd::PlainTree;
 
 namespace {
 
-// Walks the cells that one ray's segment passes through, closed, and marks the triangles in leaves.
-class LeafMarker {
- public:
-  LeafMarker(const accel::kdtree::KdTree& tree, std::vector<bool>& seen)
-      : tree_(tree), seen_(seen) {}
+// Marks what a walk sees.
+struct Seen {
+  std::vector<bool>& seen;
+  double t_out;
 
-  void mark(const Vec3d& origin, const Vec3d& direction, double tmin, double tmax) {
-    origin_ = origin;
-    direction_ = direction;
-    clip(tree_.bounds(), tmin, tmax);
-    if (tmin <= tmax) descend(accel::kdtree::load(tree_.root()), tmin, tmax);
+  void reference(std::uint32_t face) { seen[face] = true; }
+  void deferred(const accel::kdtree::DeferredCell&) {}
+  bool leaf(std::span<const std::uint32_t> faces) {
+    for (const std::uint32_t face : faces) seen[face] = true;
+    return false;
   }
-
- private:
-  // Shortens a segment of the ray to its part in a box; tmin > tmax: there is none.
-  void clip(const accel::geometry::Aabb& box, double& tmin, double& tmax) const {
-    for (std::size_t a = 0; a < 3; ++a) {
-      const double lo = static_cast<double>(box.lo[a]) - origin_[a],
-                   hi = static_cast<double>(box.hi[a]) - origin_[a];
-      if (direction_[a] == 0) {
-        if (lo > 0 || hi < 0) tmax = -std::numeric_limits<double>::infinity();
-        continue;
-      }
-      const double at_lo = lo / direction_[a], at_hi = hi / direction_[a];
-      tmin = std::max(tmin, std::min(at_lo, at_hi));
-      tmax = std::min(tmax, std::max(at_lo, at_hi));
-    }
-  }
-
-  void descend(accel::wide::Child at, const Vec3f& center, double enter, double leave) {
-    if (at.is_block()) {
-      const accel::blocks::Block block(at.block());
-      for (std::size_t i = 0; i < block.triangles; ++i) seen_[block.id(i)] = true;
-      return;
-    }
-    const accel::wide::WideNode& node = *at.node();
-    for (std::size_t i = 0; i < accel::wide::kWidth && node.children[i]; ++i) {
-      const accel::geometry::Aabb box = tests::box_of(node, i, center);
-      double from = enter, to = leave;
-      clip(box, from, to);
-      if (from <= to) descend(node.children[i], center, enter, leave);
-    }
-  }
-
-  void descend(accel::kdtree::Slot slot, double enter, double leave) {
-    if (slot.is_leaf()) {
-      std::uint32_t storage = 0;
-      for (const std::uint32_t face : tree_.leaf(slot, storage)) seen_[face] = true;
-      return;
-    }
-    if (slot.is_finished()) {
-      const auto& tree = static_cast<const accel::wide::WideTree&>(*slot.finished());
-      return descend(tree.root(), tree.center(), enter, leave);
-    }
-    if (!slot.is_binary()) return;
-    const auto axis = static_cast<std::size_t>(slot.axis());
-    const double o = origin_[axis], d = direction_[axis];
-    const double plane = static_cast<double>(slot.position());
-    const accel::kdtree::AtomicSlot* children = tree_.children(slot);
-    if (d == 0) {
-      if (o <= plane) descend(accel::kdtree::load(children[0]), enter, leave);
-      if (o >= plane) descend(accel::kdtree::load(children[1]), enter, leave);
-      return;
-    }
-    const double t = (plane - o) / d;
-    const std::size_t near = d > 0 ? 0 : 1;
-    if (enter <= t) descend(accel::kdtree::load(children[near]), enter, std::min(leave, t));
-    if (leave >= t) descend(accel::kdtree::load(children[1 - near]), std::max(enter, t), leave);
-  }
-
-  const accel::kdtree::KdTree& tree_;
-  std::vector<bool>& seen_;
-  Vec3d origin_, direction_;
+  bool references(std::span<const accel::kdtree::Reference>) { return false; }
+  double limit() const { return t_out; }
 };
 
-// The same for a tree that is built whole, as its own walk enters leaves.
+void walk(const accel::kdtree::KdTree& tree, const accel::kdtree::TreeRay& ray,
+          accel::kdtree::WalkCounters&, Seen& seen) {
+  tests::walk_in_doubles(tree, ray, seen);
+}
+
+// Marks the triangles in the leaves that rays enter.
 template <class Tree>
-class WholeLeafMarker {
+class LeafMarker {
  public:
-  WholeLeafMarker(const Tree& tree, const accel::geometry::Aabb& bounds, std::vector<bool>& seen)
+  LeafMarker(const Tree& tree, const accel::geometry::Aabb& bounds, std::vector<bool>& seen)
       : tree_(tree), bounds_(bounds), seen_(seen) {}
 
   void mark(const Vec3d& origin, const Vec3d& direction, double tmin, double tmax) {
@@ -113,21 +56,11 @@ class WholeLeafMarker {
       return;
     }
     accel::kdtree::WalkCounters unused;
-    Visit visit{seen_, ray.t_out};
+    Seen visit{seen_, ray.t_out};
     walk(tree_, ray, unused, visit);
   }
 
  private:
-  struct Visit {
-    std::vector<bool>& seen;
-    double t_out;
-    bool leaf(std::span<const std::uint32_t> faces) {
-      for (const std::uint32_t face : faces) seen[face] = true;
-      return false;
-    }
-    bool references(std::span<const accel::kdtree::Reference>) { return false; }
-    double limit() const { return t_out; }
-  };
   const Tree& tree_;
   const accel::geometry::Aabb& bounds_;
   std::vector<bool>& seen_;
@@ -199,13 +132,13 @@ void SeenTriangles::add(std::span<const accel::geometry::Ray> rays,
     };
     const accel::mesh::MeshTree& tree = instance.mesh->tree();
     if (tree.kd() != nullptr) {
-      mark_all(LeafMarker(*tree.kd(), marks));
+      mark_all(LeafMarker(*tree.kd(), tree.kd()->bounds(), marks));
     } else if (tree.whole()->is_built()) {
       if (const auto* plain = dynamic_cast<const PlainTree*>(tree.whole())) {
-        mark_all(WholeLeafMarker(*plain->built(), plain->bounds(), marks));
+        mark_all(LeafMarker(*plain->built(), plain->bounds(), marks));
       } else {
         const auto& bvh = *dynamic_cast<const BvhTree&>(*tree.whole()).built();
-        mark_all(WholeLeafMarker(bvh, bvh.root.box, marks));
+        mark_all(LeafMarker(bvh, bvh.root.box, marks));
       }
     }
   }

@@ -19,9 +19,10 @@ namespace wide = accel::wide;
 
 namespace {
 
-/// Leaf policy of trees without slots.
-struct NoSlotsBelow {
+/// Leaf policy of trees of nodes and blocks.
+struct NothingElse {
   static wide::Child enter(accel::kdtree::AtomicSlot&, std::uint32_t) { return {}; }
+  static void visit(std::span<const std::uint32_t>, std::uint32_t) {}
 };
 
 /// What a walk has left in a packet, against the rule.
@@ -78,7 +79,7 @@ class PacketCheck {
 };
 
 void walk(wide::Packet& packet, wide::Child root, std::uint32_t lanes) {
-  NoSlotsBelow none;
+  NothingElse none;
   accel::kdtree::WalkCounters walked;
   wide::walk(packet, root, lanes, wide::Leaf(none), walked);
 }
@@ -90,7 +91,7 @@ std::optional<std::string> walk_and_check(const VerdictCase& asked, const Verdic
   prepare_packet(asked, tree, any, packet);
   const std::uint32_t live = prepare(*packet.packet, tree.frame(), lanes);
   const PacketCheck check(exact, packet, any);
-  walk(*packet.packet, walked.root(), live);
+  walk(*packet.packet, wide::Child::final(walked.root()), live);
   const auto each = [&](auto test) -> std::optional<std::string> {
     for (std::uint32_t left = lanes; left != 0; left &= left - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(left));
@@ -122,7 +123,7 @@ std::optional<std::string> check_every(const VerdictCase& asked, const VerdictTr
   }
   packet.packet->goal = wide::Goal::kEvery;
   packet.packet->sinks = sinks;
-  walk(*packet.packet, tree.single().root(), live & lanes);
+  walk(*packet.packet, wide::Child::final(tree.single().root()), live & lanes);
   for (std::uint32_t left = lanes; left != 0; left &= left - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(left));
     std::vector<std::uint32_t> found(primitives[lane].sorted().begin(),

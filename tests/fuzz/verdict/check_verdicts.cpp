@@ -108,7 +108,8 @@ class VerdictCheck {
       for (const Aabb& box : {tree_.box(face), box_around(lane, face, t)}) {
         expect(meeting(*packet_.packet, box, live_) >> lane & 1, "misses the box of a hit", lane,
                face);
-        const wide::WideNode node = node_of(box);
+        accel::kdtree::WideNode node;  // with one child, which is never visited
+        node.set_box(0, box);
         for (const std::uint32_t group : {1u << lane, alike(lane)}) {
           const GroupMeeting meeting = meet(*packet_.packet, group, node);
           expect(meeting.met & 1, "a group misses the box of a hit", lane, face);
@@ -118,18 +119,6 @@ class VerdictCheck {
         }
       }
     });
-  }
-
-  /// A node with one child, which is never visited.
-  static wide::WideNode node_of(const Aabb& box) {
-    wide::WideNode node;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      node.bounds[2 * axis].fill(std::numeric_limits<float>::infinity());
-      node.bounds[2 * axis + 1].fill(-std::numeric_limits<float>::infinity());
-      node.bounds[2 * axis][0] = box.lo[axis];
-      node.bounds[2 * axis + 1][0] = box.hi[axis];
-    }
-    return node;
   }
 
   std::uint32_t alike(std::size_t lane) const {

@@ -59,7 +59,7 @@ FloatVerdicts judge_columns(const accel::wide::FloatRays& rays, const TriangleCo
 }
 
 GroupMeeting meet_node(const accel::wide::Packet& packet, std::uint32_t group,
-                       const accel::wide::WideNode& node) {
+                       const accel::kdtree::WideNode& node) {
   const simd::GroupBoxes boxes(packet, group, packet.extent);
   GroupMeeting out;
   simd::Boxes in;
@@ -102,7 +102,7 @@ FloatVerdicts judge(const accel::wide::Packet& packet,
 }
 
 GroupMeeting meet(const accel::wide::Packet& packet, std::uint32_t group,
-                  const accel::wide::WideNode& node) {
+                  const accel::kdtree::WideNode& node) {
   return HWY_DYNAMIC_DISPATCH(meet_node)(packet, group, node);
 }
 

@@ -6,7 +6,7 @@
 
 #include "accel/geometry/triangle_mesh.h"
 #include "accel/wide/packet.h"
-#include "accel/wide/wide_node.h"
+#include "accel/kdtree/wide_node.h"
 
 namespace sightline::tests {
 
@@ -25,10 +25,10 @@ FloatVerdicts judge(const accel::wide::Packet& packet,
 /// each.
 struct GroupMeeting {
   std::uint32_t met = 0;
-  alignas(64) std::array<float, accel::wide::kWidth> in;
+  alignas(64) std::array<float, accel::kdtree::kWidth> in;
 };
 GroupMeeting meet(const accel::wide::Packet& packet, std::uint32_t group,
-                  const accel::wide::WideNode& node);
+                  const accel::kdtree::WideNode& node);
 
 /// The triangles of a block that a group of rays with equal keys may meet.
 std::uint32_t possible(const accel::wide::Packet& packet, std::uint32_t group,

@@ -10,7 +10,7 @@
 #include "accel/geometry/intersect.h"
 #include "accel/wide/frame.h"
 #include "accel/wide/packet.h"
-#include "accel/wide/wide_node.h"
+#include "accel/kdtree/wide_node.h"
 #include "tests/fuzz/bytes.h"
 
 namespace sightline::tests {
@@ -48,7 +48,7 @@ class TrianglesOf {
   }
 
   void make() {
-    const std::size_t triangles = 1 + bytes_.below(accel::wide::kWidth);
+    const std::size_t triangles = 1 + bytes_.below(accel::kdtree::kWidth);
     const std::size_t vertices = std::max<std::size_t>(3, bytes_.below(3 * triangles + 1));
     for (std::size_t i = 0; i < vertices; ++i) out_.vertices.push_back(vertex(i));
     for (std::size_t i = 0; i < triangles; ++i) {

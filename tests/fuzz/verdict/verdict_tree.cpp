@@ -67,11 +67,10 @@ std::array<Vec3f, 3> VerdictTree::corners(std::size_t face) const {
   return {corner(0), corner(1), corner(2)};
 }
 
-void VerdictTree::list_blocks(wide::Child at) {
-  if (at.is_block()) return blocks_.push_back(at.block());
-  for (const wide::Child child : at.node()->children) {
-    if (child) list_blocks(child);
-  }
+void VerdictTree::list_blocks(accel::kdtree::Slot at) {
+  if (at.is_block()) return blocks_.push_back(at.words());
+  for (std::size_t i = 0; i < accel::kdtree::kWidth && at.node()->child(i); ++i)
+    list_blocks(at.node()->child(i));
 }
 
 }  // namespace sightline::tests

@@ -31,7 +31,7 @@ class VerdictTree {
   std::array<accel::geometry::Vec3f, 3> corners(std::size_t face) const;
 
  private:
-  void list_blocks(accel::wide::Child at);
+  void list_blocks(accel::kdtree::Slot at);
 
   accel::geometry::MeshView mesh_;
   std::optional<accel::wide::Frame> frame_;
