@@ -13,11 +13,11 @@
 
 #include "accel/geometry/intersect.h"
 #include "accel/kdtree/epoch.h"
+#include "accel/kdtree/wide_node.h"
 #include "accel/mesh/face_boxes.h"
 #include "accel/mesh/mesh_stats.h"
 #include "accel/mesh/mesh_tree.h"
 #include "accel/published/any_builder.h"
-#include "accel/kdtree/wide_node.h"
 #include "accel/wide/frame.h"
 #include "tests/support/mesh_query.h"
 #include "tests/support/rational_hit.h"
@@ -140,8 +140,10 @@ Wrong check_metrics(const MeshTree& tree, const accel::mesh::MeshStats& survey, 
   const accel::kdtree::TreeMetrics metrics = tree.metrics();
   if (metrics.max_depth > accel::kdtree::kMaxTreeDepth)
     return fmt::format("depth {}", metrics.max_depth);
-  if (metrics.deferred_cells != 0) return fmt::format("{} unbuilt cells", metrics.deferred_cells);
-  if (finite > 0 && !nodes_fit_leaves(metrics, blocks))
+  // Builders of the papers may cut until capacity ends; ours have a budget of references.
+  if (blocks && metrics.deferred_cells != 0)
+    return fmt::format("{} unbuilt cells", metrics.deferred_cells);
+  if (finite > 0 && metrics.deferred_cells == 0 && !nodes_fit_leaves(metrics, blocks))
     return fmt::format("{} nodes and {} leaves", metrics.nodes, metrics.leaves);
   if (metrics.nonempty_leaves > metrics.leaves || metrics.references < metrics.nonempty_leaves)
     return fmt::format("{} references in {} leaves", metrics.references, metrics.nonempty_leaves);

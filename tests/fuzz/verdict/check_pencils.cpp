@@ -96,8 +96,8 @@ class PencilAsking {
   std::optional<std::string> walk(const VerdictTree& tree, const wide::WideTree& walked,
                                   const ExactAnswers& exact, std::uint64_t& done) {
     accel::kdtree::WalkCounters counters;
-    const wide::PencilLanes answered =
-        wide::walk_pencil(packets_, tree.frame(), wide::Child::final(walked.root()), lanes_, counters);
+    const wide::PencilLanes answered = wide::walk_pencil(
+        packets_, tree.frame(), wide::Child::final(walked.root()), lanes_, counters);
     for (std::size_t i = 0; i < asked_.rays.size(); ++i) {
       const bool is_done = answered[i / wide::kLanes] >> i % wide::kLanes & 1;
       done += is_done ? 1 : 0;

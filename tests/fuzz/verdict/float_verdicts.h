@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include "accel/geometry/triangle_mesh.h"
-#include "accel/wide/packet.h"
 #include "accel/kdtree/wide_node.h"
+#include "accel/wide/packet.h"
 
 namespace sightline::tests {
 

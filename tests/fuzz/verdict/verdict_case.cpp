@@ -8,9 +8,9 @@
 #include <optional>
 
 #include "accel/geometry/intersect.h"
+#include "accel/kdtree/wide_node.h"
 #include "accel/wide/frame.h"
 #include "accel/wide/packet.h"
-#include "accel/kdtree/wide_node.h"
 #include "tests/fuzz/bytes.h"
 
 namespace sightline::tests {
