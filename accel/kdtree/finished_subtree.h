@@ -17,7 +17,14 @@ struct ListBytes;
 
 /// Belongs to the tree whose slot leads to it (KdTree::finish). Never changes but for its last use.
 /// Threads: any.
-class alignas(16) FinishedSubtree : public Retirable {
+class alignas(64) FinishedSubtree : public Retirable {
+ public:
+  /// By rays that entered it. With the root in the first cache line.
+  LastUse last_use;
+
+ protected:
+  Slot root_;
+
  public:
   FinishedSubtree() = default;
   virtual ~FinishedSubtree() = default;
@@ -25,7 +32,12 @@ class alignas(16) FinishedSubtree : public Retirable {
   FinishedSubtree& operator=(const FinishedSubtree&) = delete;
 
   /// A node, a block or a list.
-  virtual Slot root() const = 0;
+  Slot root() const { return root_; }
+  /// As root(), for a ray that comes from the slot.
+  Slot enter() const {
+    last_use.use();
+    return root_;
+  }
 
   /// All memory that it takes.
   virtual std::uint64_t size_in_bytes() const = 0;
@@ -33,8 +45,6 @@ class alignas(16) FinishedSubtree : public Retirable {
   /// The ids of its references; some several times. Throws std::bad_alloc.
   virtual std::vector<std::uint32_t> ids() const = 0;
 
-  /// By rays that entered it from its slot.
-  LastUse last_use;
   /// Of its tree.
   std::shared_ptr<ListBytes> account;
 

@@ -18,7 +18,7 @@ struct WideNode;
 /// is there if it is 0.
 ///
 ///     bits 0, 1   what the address is of
-///     0           a WideNode, aligned to 64 bytes
+///     0           a WideNode, aligned to 64 bytes (bit 2: all below it is final)
 ///     1           the words of a leaf block (blocks/block.h), aligned to 4
 ///     2           a DeferredCell (bit 2: a thread expands it) or a FinishedSubtree (bit 3),
 ///     aligned
@@ -30,6 +30,8 @@ class Slot {
   explicit constexpr Slot(std::uint64_t bits) : bits_(bits) {}
 
   static Slot node(const WideNode* node) { return of(node, kNode); }
+  /// A node below which there are only nodes like this one, blocks and lists.
+  static Slot final_node(const WideNode* node) { return of(node, kNode | kFinal); }
   static Slot block(const std::uint32_t* words) { return of(words, kBlock); }
   static Slot list(const std::uint32_t* words) { return of(words, kList); }
   static Slot empty_list() {
@@ -45,6 +47,7 @@ class Slot {
   explicit constexpr operator bool() const { return bits_ != 0; }
 
   constexpr bool is_node() const { return bits_ != 0 && (bits_ & kKind) == kNode; }
+  constexpr bool is_final_node() const { return (bits_ & (kKind | kFinal)) == kFinal; }
   constexpr bool is_block() const { return (bits_ & kKind) == kBlock; }
   constexpr bool is_list() const { return (bits_ & kKind) == kList; }
   /// A cell or a finished subtree, which other threads may replace.
@@ -64,7 +67,7 @@ class Slot {
   const FinishedSubtree* finished() const { return address<FinishedSubtree>(); }
 
  private:
-  static constexpr std::uint64_t kKind = 3, kClaimed = 4, kFinished = 8, kLow = 15;
+  static constexpr std::uint64_t kKind = 3, kFinal = 4, kClaimed = 4, kFinished = 8, kLow = 15;
   static constexpr std::uint64_t kNode = 0, kBlock = 1, kOther = 2, kList = 3;
 
   static Slot of(const void* pointed, std::uint64_t tag) {

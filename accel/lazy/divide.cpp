@@ -1,6 +1,10 @@
 // Divides a cell, for short lists and for long ones.
 #include "accel/lazy/divide.h"
 
+#include <algorithm>
+#include <vector>
+
+#include "accel/kdtree/wide_node.h"
 #include "accel/lazy/long_list.h"
 #include "accel/lazy/opening.h"
 #include "accel/lazy/partition.h"
@@ -75,35 +79,81 @@ Division cut_in_two(const kdtree::DeferredCell& cell, const grow::CellCut& cut, 
   return division;
 }
 
-/// As eager growth does (grow/grow.cpp), except that openable references are opened where a cut
-/// cannot be judged otherwise, or none is found.
+/// As eager growth does (grow/grow.cpp). Nothing where references must be opened before a cut can
+/// be judged, or none is found.
+template <class List>
+std::optional<Division> cut(const DivideContext& context, const kdtree::DeferredCell& cell,
+                            List& list) {
+  if (cell.openable && cell.size <= kOpenBelow) return std::nullopt;
+  const bool may_cut = cell.path.depth < context.max_depth;
+  const std::optional<kdtree::Split> plane = may_cut ? list.choose() : std::nullopt;
+  if (!plane) return std::nullopt;
+  const PartitionInput input{context.rule,
+                             {*context.rule, context.mesh, cell.box, cell.path, cell.size, *plane},
+                             cell.openable};
+  ChildLists parts = list.sift(input);
+  const Straddling& straddling = parts.straddling;
+  if (straddling.openable > 0 && straddling.openable * kStraddlersToOpen >= cell.size)
+    return std::nullopt;
+  // Openable ones count for what they stand for: what is added is known once they are opened.
+  const bool is_made =
+      cell.openable ? straddling.all < cell.size : input.cut.is_made(straddling.all);
+  if (!is_made) return std::nullopt;
+  return cut_in_two(cell, input.cut, std::move(parts));
+}
+
 template <class List>
 Division divide(const DivideContext& context, const kdtree::DeferredCell& cell, List list) {
-  if (cell.openable && cell.size <= kOpenBelow) return finer(cell, list.open());
-  const bool may_cut = cell.path.depth < context.max_depth;
-  const std::optional<kdtree::Split> cut = may_cut ? list.choose() : std::nullopt;
-  if (cut) {
-    const PartitionInput input{context.rule,
-                               {*context.rule, context.mesh, cell.box, cell.path, cell.size, *cut},
-                               cell.openable};
-    ChildLists parts = list.sift(input);
-    const Straddling& straddling = parts.straddling;
-    if (straddling.openable > 0 && straddling.openable * kStraddlersToOpen >= cell.size)
-      return finer(cell, list.open());
-    // Openable ones count for what they stand for: what is added is known once they are opened.
-    const bool is_made =
-        cell.openable ? straddling.all < cell.size : input.cut.is_made(straddling.all);
-    if (is_made) return cut_in_two(cell, input.cut, std::move(parts));
-  }
+  if (std::optional<Division> division = cut(context, cell, list)) return std::move(*division);
   if (cell.openable) return finer(cell, list.open());
   return {};
 }
 
+/// Cuts the heaviest of the new cells again until a node is full, and opens nothing.
+void fill_node(const DivideContext& context, Division& division, kdtree::BuildCounters& counters) {
+  const auto weight_to_cut = [](const NewCell& cell) {
+    return cell.weight > kEagerBelow ? cell.weight : 0;
+  };
+  std::vector<NewCell>& cells = division.cells;
+  std::vector<std::uint64_t> weights;
+  for (const NewCell& cell : cells) weights.push_back(weight_to_cut(cell));
+  while (cells.size() < kdtree::kWidth) {
+    const auto heaviest = std::max_element(weights.begin(), weights.end());
+    if (*heaviest == 0) return;
+    NewCell& at = cells[static_cast<std::size_t>(heaviest - weights.begin())];
+    const std::unique_ptr<kdtree::DeferredCell> cell = cell_of(std::move(at));
+    ShortList list(context, *cell, counters);
+    if (std::optional<Division> again = cut(context, *cell, list)) {
+      at = std::move(again->cells[0]);
+      *heaviest = weight_to_cut(at);
+      weights.push_back(weight_to_cut(again->cells[1]));
+      cells.push_back(std::move(again->cells[1]));
+    } else {
+      at.part.list = std::move(cell->list);
+      *heaviest = 0;
+    }
+  }
+}
+
 }  // namespace
+
+std::unique_ptr<kdtree::DeferredCell> cell_of(NewCell now) {
+  auto cell = std::make_unique<kdtree::DeferredCell>();
+  cell->box = now.box;
+  cell->path = now.path;
+  cell->openable = now.part.openable;
+  cell->size = now.part.list.size();
+  cell->weight = now.weight;
+  cell->first = now.part.first;
+  cell->list = std::move(now.part.list);
+  return cell;
+}
 
 Division divide_short(const DivideContext& context, const kdtree::DeferredCell& cell,
                       kdtree::BuildCounters& counters) {
-  return divide(context, cell, ShortList(context, cell, counters));
+  Division division = divide(context, cell, ShortList(context, cell, counters));
+  if (division.is_cut && context.mesh == nullptr) fill_node(context, division, counters);
+  return division;
 }
 
 Division divide_long(const DivideContext& context, const kdtree::DeferredCell& cell,

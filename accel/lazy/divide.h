@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -47,7 +48,11 @@ struct Division {
   bool compact = false;  ///< There is room for the ids of the new lists only.
 };
 
-/// Divides a cell with a short list. Throws std::bad_alloc.
+/// The cell that waits. Throws std::bad_alloc.
+std::unique_ptr<kdtree::DeferredCell> cell_of(NewCell now);
+
+/// Divides a cell with a short list: in two, and in trees over instances into as many cells as a
+/// node holds, since rays come to most of them. Throws std::bad_alloc.
 Division divide_short(const DivideContext& context, const kdtree::DeferredCell& cell,
                       kdtree::BuildCounters& counters);
 
@@ -62,6 +67,10 @@ Division divide_long(const DivideContext& context, const kdtree::DeferredCell& c
 std::optional<Division> divide_sampled(const DivideContext& context,
                                        const kdtree::DeferredCell& cell, PassSequence& passes,
                                        kdtree::BuildCounters& counters);
+
+/// The subtree of a deferred cell of at most this weight is built at once: dividing it cell by cell
+/// would cost more work than it defers. In trees with leaf blocks that is grow::kBlockCell.
+inline constexpr std::size_t kEagerBelow = 64;
 
 /// A cell with openable references and at most this many in total opens them before it is cut: the
 /// cost of a plane is known better then, and a reference is no longer small compared with the cell.

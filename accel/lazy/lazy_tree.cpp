@@ -20,6 +20,20 @@
 namespace sightline::accel::lazy {
 namespace {
 
+/// What of a list lies in its cell.
+geometry::Aabb bounds_in(const geometry::Aabb& cell, const kdtree::CellList& list) {
+  geometry::Aabb box;
+  list.any_part([&](std::span<const kdtree::Reference> refs) {
+    for (const kdtree::Reference& ref : refs) box.grow(ref.bounds());
+    return false;
+  });
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    box.lo[axis] = std::max(box.lo[axis], cell.lo[axis]);
+    box.hi[axis] = std::min(box.hi[axis], cell.hi[axis]);
+  }
+  return box;
+}
+
 /// Faces end in leaf blocks, unless floats are too coarse or too short for their sizes.
 bool may_make_blocks(const geometry::MeshView* mesh, const geometry::Aabb& bounds) {
   return mesh != nullptr && !bounds.empty() && wide::frame_of(bounds).scale == 1;
@@ -216,14 +230,7 @@ ExpandResult LazyTree::run_all_passes(kdtree::AtomicSlot& slot, kdtree::Deferred
 }
 
 kdtree::Slot LazyTree::defer(NewCell now, bool compact) {
-  auto cell = std::make_unique<kdtree::DeferredCell>();
-  cell->box = now.box;
-  cell->path = now.path;
-  cell->openable = now.part.openable;
-  cell->size = now.part.list.size();
-  cell->weight = now.weight;
-  cell->first = now.part.first;
-  cell->list = std::move(now.part.list);
+  std::unique_ptr<kdtree::DeferredCell> cell = cell_of(std::move(now));
   if (compact && !cell->openable && cell->size >= kFewestToEvict) cell = with_compact_list(*cell);
   return tree_.defer(std::move(cell));
 }
@@ -250,11 +257,14 @@ kdtree::Slot LazyTree::make_slot(Division division, const kdtree::DeferredCell& 
 
 kdtree::Slot LazyTree::make_node(Division& division) {
   assert(division.cells.size() <= kdtree::kWidth);
+  // A pass over the lists pays where rays meet many boxes at once.
+  const bool is_wide = division.cells.size() > 2;
   kdtree::WideNode* const node = tree_.make_node();
   std::size_t children = 0;
   try {
     for (NewCell& cell : division.cells) {
-      const geometry::Aabb box = in_frame(frame_, cell.box);
+      const geometry::Aabb box =
+          in_frame(frame_, is_wide ? bounds_in(cell.box, cell.part.list) : cell.box);
       const kdtree::Slot slot = defer(std::move(cell), division.compact);
       if (slot == kdtree::Slot::empty_list()) continue;
       node->set_box(children, box);

@@ -192,10 +192,6 @@ class LazyTree {
   std::atomic<std::uint64_t> evicted_{0};  ///< Pieces, so far.
 };
 
-/// The subtree of a deferred cell of at most this weight is built at once: dividing it cell by cell
-/// would cost more work than it defers. In trees with leaf blocks that is grow::kBlockCell.
-inline constexpr std::size_t kEagerBelow = 64;
-
 /// A mesh of at most this number of triangles becomes leaf blocks at once.
 inline constexpr std::size_t kWholeMesh = 1000;
 

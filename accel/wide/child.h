@@ -35,6 +35,11 @@ class Child {
   bool is_list() const { return (bits_ & kKind) == kList; }
 
   const kdtree::WideNode* node() const { return as_slot().node(); }
+  /// The child of a node.
+  Child child(std::size_t i) const {
+    const kdtree::AtomicSlot& slot = node()->children[i];
+    return as_slot().is_final_node() ? Child(kdtree::load(slot).bits()) : at(slot);
+  }
   const std::uint32_t* block() const { return as_slot().words(); }
   std::span<const std::uint32_t> list() const { return as_slot().list(); }
   kdtree::AtomicSlot& slot() const {
@@ -47,7 +52,7 @@ class Child {
   explicit constexpr Child(std::uint64_t bits) : bits_(bits) {}
   kdtree::Slot as_slot() const { return kdtree::Slot(bits_); }
 
-  std::uint64_t bits_ = 0;
+  std::uint64_t bits_;  // Not set unless asked for: the stacks of walks are made for each ray.
 };
 
 }  // namespace sightline::accel::wide

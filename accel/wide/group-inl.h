@@ -66,7 +66,7 @@ class Group {
     for (;;) {
       if (std::popcount(lanes) < together_) return go_alone(at, lanes);
       if (at.is_node()) {
-        if (!visit_node(*at.node(), at, lanes, top)) return;
+        if (!visit_node(at, lanes, top)) return;
       } else if (at.is_block()) {
         return visit_block(at.block(), lanes);
       } else {
@@ -94,8 +94,8 @@ class Group {
     Counts::pick(lanes, before + Counts::set(work), before).store(packet_.work.data());
   }
 
-  HWY_INLINE bool visit_node(const kdtree::WideNode& node, Child& at, std::uint32_t& lanes,
-                             std::size_t& top) {
+  HWY_INLINE bool visit_node(Child& at, std::uint32_t& lanes, std::size_t& top) {
+    const kdtree::WideNode& node = *at.node();
     walked_.counters.steps += static_cast<std::uint64_t>(std::popcount(lanes));
     count(lanes, 1);
     Boxes in;
@@ -110,7 +110,7 @@ class Group {
       std::size_t k = top++;
       for (; kGoal != Goal::kAny && k > base && stack_[k - 1].t < t[i]; --k)
         stack_[k] = stack_[k - 1];
-      stack_[k] = {t[i], those, Child::at(node.children[i])};
+      stack_[k] = {t[i], those, at.child(i)};
     }
     if (top == base) return false;
     --top;

@@ -119,7 +119,7 @@ class Pencil {
   HWY_INLINE bool go_down(Child at, std::size_t& top) {
     for (;;) {
       if (at.is_node()) {
-        if (!visit_node(*at.node(), at, top)) return true;
+        if (!visit_node(at, top)) return true;
       } else if (at.is_block()) {
         if (++blocks_ > kMostBlocks) return false;
         visit_block(at.block());
@@ -129,14 +129,15 @@ class Pencil {
       } else {
         const kdtree::Slot now = kdtree::load(at.slot());
         if (!now.is_finished()) return false;
-        at = Child::final(static_cast<const WideTree*>(now.finished())->enter());
+        at = Child::final(now.finished()->enter());
       }
     }
   }
 
-  /// Sets `next` to the nearest child that the pencil meets; false if there is none.
-  HWY_INLINE bool visit_node(const kdtree::WideNode& node, Child& next, std::size_t& top) {
+  /// Sets `at` to its nearest child that the pencil meets; false if there is none.
+  HWY_INLINE bool visit_node(Child& at, std::size_t& top) {
     ++nodes_;
+    const kdtree::WideNode& node = *at.node();
     Boxes begin;
     std::uint32_t met = boxes_.met(node, nearest_, farthest_, begin);
     if (met == 0) return false;
@@ -147,9 +148,9 @@ class Pencil {
       const auto i = static_cast<std::size_t>(std::countr_zero(met));
       std::size_t k = top++;
       for (; k > base && stack_[k - 1].depth < depth[i]; --k) stack_[k] = stack_[k - 1];
-      stack_[k] = {depth[i], Child::at(node.children[i])};
+      stack_[k] = {depth[i], at.child(i)};
     }
-    next = stack_[--top].at;
+    at = stack_[--top].at;
     return true;
   }
 

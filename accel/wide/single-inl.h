@@ -102,7 +102,7 @@ class Single {
   HWY_INLINE void go_down(Child at, std::size_t& top) {
     for (;;) {
       if (at.is_node()) {
-        if (!visit_node(*at.node(), at, top)) return;
+        if (!visit_node(at, at, top)) return;
       } else if (at.is_block()) {
         return visit_block(at.block());
       } else {
@@ -113,8 +113,9 @@ class Single {
   }
 
   /// Sets `next` to the nearest child that the ray meets; false if there is none.
-  HWY_INLINE bool visit_node(const kdtree::WideNode& node, Child& next, std::size_t& top) {
+  HWY_INLINE bool visit_node(Child at, Child& next, std::size_t& top) {
     ++nodes_;
+    const kdtree::WideNode& node = *at.node();
     const auto near = [&](std::size_t axis) {
       return mul_add(Boxes::load(node.bounds[first_[axis]].data()), inverse_[axis], near_[axis]);
     };
@@ -128,24 +129,24 @@ class Single {
     if (met == 0) return false;
     const auto first = static_cast<std::size_t>(std::countr_zero(met));
     met &= met - 1;
-    next = Child::at(node.children[first]);
+    next = at.child(first);
     if (met == 0) return true;
     alignas(64) std::array<float, kdtree::kWidth> t;
     in.store(t.data());
-    push_others(node, t, first, met, next, top);
+    push_others(at, t, first, met, next, top);
     return true;
   }
 
-  HWY_INLINE void push_others(const kdtree::WideNode& node,
-                              const std::array<float, kdtree::kWidth>& t, std::size_t first,
-                              std::uint32_t others, Child& next, std::size_t& top) {
+  HWY_INLINE void push_others(Child at, const std::array<float, kdtree::kWidth>& t,
+                              std::size_t first, std::uint32_t others, Child& next,
+                              std::size_t& top) {
     const std::size_t base = top;
     float nearest = t[first];
     for (; others != 0; others &= others - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(others));
       // Exchanged without a branch, which would be mispredicted half of the time.
       const std::uint64_t swap = t[i] < nearest ? ~std::uint64_t{0} : 0;
-      const std::uint64_t child = Child::at(node.children[i]).bits();
+      const std::uint64_t child = at.child(i).bits();
       const std::uint64_t changed = (next.bits() ^ child) & swap;
       const Waiting waiting{std::max(t[i], nearest), Child::of(child ^ changed)};
       next = Child::of(next.bits() ^ changed);

@@ -249,14 +249,15 @@ WideTree::WideTree(const Node& root, const geometry::Vec3f& center, LeafKind kin
     root_ = leaves.slot(root);
     return;
   }
-  root_ = Slot::node(nodes);
+  root_ = Slot::final_node(nodes);
   for (std::size_t at = 0; at < node_count_; ++at) {
     const Collapsed& from = collapse.nodes()[at];
     auto* node = new (nodes + at) WideNode;
     for (std::size_t i = 0; i < kWidth && from.children[i] != nullptr; ++i) {
       const Node& child = *from.children[i];
       node->set_box(i, relative(child.box, center));
-      const Slot below = child.leaf() ? leaves.slot(child) : Slot::node(nodes + from.index[i]);
+      const Slot below =
+          child.leaf() ? leaves.slot(child) : Slot::final_node(nodes + from.index[i]);
       node->children[i].store(below.bits(), std::memory_order_relaxed);
     }
   }

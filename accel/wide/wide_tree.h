@@ -27,12 +27,6 @@ class WideTree final : public kdtree::FinishedSubtree {
   /// As above, and keeps the blocks where they are: `words` owns their memory.
   WideTree(const blocks::Node& root, const geometry::Vec3f& center, blocks::Chunks words);
 
-  kdtree::Slot root() const override { return root_; }
-  /// As root(), for a ray that comes from the slot.
-  kdtree::Slot enter() const {
-    last_use.use();
-    return root_;
-  }
   const geometry::Vec3f& center() const { return center_; }
   /// Of all below, in mesh coordinates.
   const geometry::Aabb& box() const { return box_; }
@@ -54,7 +48,6 @@ class WideTree final : public kdtree::FinishedSubtree {
   std::size_t node_count_ = 0, bytes_ = 0;
   std::unique_ptr<std::byte, Free> memory_;  ///< The nodes, then leaves that were copied.
   blocks::Chunks words_;                     ///< Blocks that were kept.
-  kdtree::Slot root_;
 };
 
 }  // namespace sightline::accel::wide
