@@ -12,7 +12,7 @@
 
 namespace sightline::server::exec {
 
-/// kInvalidArgument, reason MALFORMED_MESSAGE.
+/// The error of such a request: kInvalidArgument, reason MALFORMED_MESSAGE.
 Error malformed_message();
 
 /// For grpc::ServerBuilder: makes calls with one request end with malformed_message(). Makes
