@@ -60,7 +60,7 @@ class RpcMetrics::Method {
 
 namespace {
 
-/// Lives as long as its call.
+/// Measures a call, and lives as long.
 class MeasuredCall final : public grpc_experimental::Interceptor {
  public:
   MeasuredCall(RpcMetrics& metrics, RpcMetrics::Method& method)
