@@ -40,7 +40,7 @@ class BatchRays {
  private:
   const v1::Rays* columns_ = nullptr;  // null: generated
   proto::rays::GeneratedRays generated_;
-  // Of all generated rays.
+  // The range of all generated rays.
   double tmin_ = 0, tmax_ = 0;
   std::uint32_t mask_ = 0;
   std::size_t size_ = 0;
