@@ -22,11 +22,10 @@ namespace sightline::server::scenes {
 /// appended again; until they are committed, relaxed writes wait for their commit, too. Used on the
 /// scene's write queue, except for note().
 ///
-/// Where other servers write to the journal, a write that they have forestalled is made again on
-/// top of what they have committed.
+/// If another server commits first, a write is made again on top of what that server has committed.
 ///
-/// A write on top of a revision that could not be kept is refused by the journal. One behind a
-/// write that makes no revision would not be: it is appended when the commit of that one is known.
+/// The journal refuses a write on top of a revision that was not kept. It cannot tell whether a
+/// write that makes no revision was kept, so the next write is appended only when that is known.
 class WriteLine {
  public:
   using Answer = std::function<void(const Result<Durability>&)>;
