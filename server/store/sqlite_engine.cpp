@@ -47,8 +47,8 @@ Status SqliteEngine::commit() {
   return committed;
 }
 
-/// Before those who wait for the commit hear of it. A mark that cannot be written is written later:
-/// until then less is noticed, and nothing is lost.
+/// Writes the marks before those who wait for the commit hear of it. A mark that cannot be written
+/// is written later: until then less is noticed, and nothing is lost.
 void SqliteEngine::mark_touched() {
   for (auto it = touched_.begin(); it != touched_.end();) {
     const auto row = lock_scene(database_, *it);

@@ -10,7 +10,7 @@
 
 namespace sightline::server::store::postgres {
 
-/// May hold a password, which text() does not show.
+/// An address may hold a password, which text() does not show.
 class Address {
  public:
   /// `uri`: postgresql://[USER[:PASSWORD]@]HOST[:PORT][,HOST[:PORT]...]/[DATABASE][?NAME=VALUE...],
@@ -19,10 +19,10 @@ class Address {
   /// never shows the text.
   static Result<Address> parse(std::string_view uri);
 
-  /// For people: postgresql://USER@HOST:PORT,.../DATABASE.
+  /// The address for people: postgresql://USER@HOST:PORT,.../DATABASE.
   std::string text() const;
 
-  /// For libpq: names and values.
+  /// The names and values for libpq.
   const std::vector<std::pair<std::string, std::string>>& parameters() const { return parameters_; }
 
  private:
