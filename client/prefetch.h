@@ -11,10 +11,10 @@
 namespace sightline::client {
 
 struct PrefetchOptions {
-  /// Only these nodes and their descendants. Empty: all nodes. With rays, at most one. Errors:
-  /// kNotFound, as for `exclude`.
+  /// Builds only for these nodes and their descendants. Empty: all nodes. With rays, at most one.
+  /// Errors: kNotFound, as for `exclude`.
   std::vector<std::uint64_t> roots{};
-  /// Not these nodes and their descendants.
+  /// Leaves out these nodes and their descendants.
   std::vector<std::uint64_t> exclude{};
   /// With rays: builds what a cast of this kind would build. kCount and kAll build all cells on the
   /// rays' way.

@@ -95,7 +95,7 @@ struct StreamAck {
   std::uint64_t up_to_sequence = 0;
   std::uint64_t revision = 0;  ///< contains all of them
   std::string token;           ///< of the revision, for Consistency::at_least
-  std::vector<Put> put;        ///< of batches answered since the previous ack
+  std::vector<Put> put;        ///< batches answered since the previous ack
 };
 
 /// One batch was rejected and had no effect. All batches before it are answered, and the stream
@@ -129,7 +129,7 @@ struct UpdateStreamState {
   std::uint64_t coalesced = 0;  ///< batches that were replaced by newer ones
   std::uint64_t rejected = 0;
   std::uint64_t reconnects = 0;
-  std::uint64_t bytes_sent = 0;  ///< of messages, including those that were sent again
+  std::uint64_t bytes_sent = 0;  ///< bytes of messages, including those sent again
 };
 
 }  // namespace sightline::client
