@@ -25,7 +25,7 @@ enum class Beyond : std::uint8_t {
 /// The value of a track between two keys.
 enum class Interpolation : std::uint8_t {
   kLinear,  ///< rotations along the shorter arc, at constant speed
-  kStep,    ///< that of the earlier key
+  kStep,    ///< the value of the earlier key
   kCubic,   ///< a cubic spline with the tangents of the keys
 };
 
@@ -48,7 +48,7 @@ struct Track {
   Beyond before = Beyond::kHold;
   Beyond after = Beyond::kHold;  ///< a cubic track holds
   Interpolation interpolation = Interpolation::kLinear;
-  std::vector<Tangents<Value>> tangents{};  ///< of each key of a cubic track; else empty
+  std::vector<Tangents<Value>> tangents{};  ///< for each key of a cubic track; else empty
 };
 
 /// The value at a time. Rotations have unit length. A weight that only one of two keys has counts
@@ -100,7 +100,7 @@ struct Animation {
 /// What poses are computed from: the scene as it is in the file, and the transform from there to
 /// the imported scene.
 struct Rig {
-  std::vector<Transform> parent_from_local;  ///< of each node at rest, in the file
+  std::vector<Transform> parent_from_local;  ///< each node's at rest, in the file
   Transform scene_from_file = kIdentity;     ///< applied before the roots
   /// By mesh: subtracted from its vertices, and added to the transforms of the nodes that carry it
   std::vector<Point> offsets;
@@ -108,7 +108,7 @@ struct Rig {
   std::vector<std::vector<Point>> vertices;
   std::vector<Skin> skins;                   ///< by mesh
   std::vector<Shapes> shapes;                ///< by mesh
-  std::vector<std::vector<double>> weights;  ///< by mesh: of its shapes at rest, or less
+  std::vector<std::vector<double>> weights;  ///< by mesh: those of its shapes at rest, or fewer
 };
 
 struct AnimatedScene {

@@ -31,7 +31,7 @@ class AssimpComplaints {
   Stream stream_;
 };
 
-/// On one line.
+/// The text on one line.
 std::string one_line(std::string_view text);
 
 }  // namespace sightline::client::importer

@@ -19,8 +19,8 @@ bool has_finite_corner(const Vertex& v) {
   return std::all_of(v.begin(), v.end(), [](float x) { return std::isfinite(x); });
 }
 
-// Rounds, so that a file of nothing but slivers of a width below 1e-15 of their length may seem to
-// have none.
+// Whether a triangle has an area. It rounds, so that a file of nothing but slivers of a width below
+// 1e-15 of their length may seem to have none.
 bool has_area(const Vertex& a, const Vertex& b, const Vertex& c) {
   std::array<double, 3> ab{}, ac{};
   for (std::size_t k = 0; k < 3; ++k) {

@@ -27,7 +27,7 @@ class ObjGroups {
 
   /// `corners` are indices of the file's vertices.
   void add_face(std::span<const std::uint32_t> corners);
-  std::size_t corners() const { return corner_count_; }  ///< of all faces
+  std::size_t corners() const { return corner_count_; }  ///< corners of all faces
 
   /// A node for each object, and a mesh for each part with faces. A file without faces is a mesh of
   /// points.
