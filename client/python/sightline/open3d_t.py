@@ -134,7 +134,7 @@ def _distances(t: np.ndarray) -> np.ndarray:
 
 
 def _arrays_of(mesh: Any) -> "tuple[Any, Any]":
-    """Of a mesh with tensors (`vertex`, `triangle`), with arrays of the older kind, or with `vertices` and `faces`."""
+    """The arrays of a mesh with tensors (`vertex`, `triangle`), with older arrays, or with `vertices` and `faces`."""
     if hasattr(mesh, "vertex") and hasattr(mesh, "triangle"):
         return mesh.vertex["positions"], mesh.triangle["indices"]
     if hasattr(mesh, "vertices") and hasattr(mesh, "triangles"):

@@ -12,7 +12,7 @@ from ._connection import Connection
 from ._retries import Retries
 from .nodes import patches
 
-_MESSAGE_BYTES = 1 << 20  # of a message of a batch
+_MESSAGE_BYTES = 1 << 20  # the most in a message of a batch
 _ATTEMPTS = 8  # to open the call, without an answer between them
 _FIRST_PAUSE = 0.1  # seconds; doubled after each attempt
 _LONGEST_PAUSE = 2.0
