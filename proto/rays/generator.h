@@ -54,7 +54,7 @@ struct RayGenerator {
   std::variant<Pinhole, SphericalScan, VisibilityPairs> rays{};
   std::uint64_t first = 0;       ///< The first ray that is cast.
   std::uint64_t count = 0;       ///< How many are cast; 0: all from `first` on.
-  double tmin = 0;               ///< Of every ray, as the next two.
+  double tmin = 0;               ///< Every ray's, like the next two.
   std::optional<double> tmax{};  ///< If not set: 1 for pairs, else +inf.
   std::uint32_t mask = 0xffffffffu;
 };
