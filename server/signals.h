@@ -8,7 +8,7 @@
 namespace sightline::server {
 
 /// Takes signals from its construction on. Make it first of all: threads that start later inherit
-/// its mask. SIGTERM, SIGINT and SIGHUP wait for wait_for_end(). Those that would end the process
+/// its mask. SIGTERM, SIGINT and SIGHUP wait for wait_for_end(). Signals that would end the process
 /// by default, and that are meant for programs of other kinds, are ignored: SIGUSR1, SIGUSR2,
 /// SIGPIPE, SIGALRM, SIGVTALRM, SIGPROF, SIGIO, SIGPWR, SIGSTKFLT and the real-time signals. All
 /// others, such as SIGQUIT, which leaves a core dump, do what they do by default.
