@@ -122,7 +122,7 @@ void HttpSession::answer() {
   const std::string_view target(request.target().data(), request.target().size());
   if (boost::beast::websocket::is_upgrade(request)) return upgrade();
   const std::string_view path = target.substr(0, target.find('?'));
-  // It tells that this thread works, whatever a page waits for.
+  // The reply to /livez shows that this thread works, whatever a page waits for.
   is_probe_ = path == kAlivePath || path == kReadyPath;
   if (path == kAlivePath) return write({.body = "alive\n"});
   ask(std::string(path));
