@@ -201,7 +201,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
     const auto mesh = blobs_.complete(upload_);
     if (!mesh) return mesh.error();
     report(**mesh, upload_->digest().size);
-    // Only at level debug: an import logs one line for its scene, however many meshes it has.
+    // The level is debug: an import logs one line for its scene, however many meshes it has.
     spdlog::debug("event=mesh_uploaded digest={} triangles={} nonfinite={}{}", digest_text_,
                   (*mesh)->triangles(), (*mesh)->nonfinite(), exec::request_id_of(context_));
     return {};

@@ -98,7 +98,7 @@ class BlobStore {
   /// Errors: as Upload::finish.
   Result<MeshPointer> complete(const std::shared_ptr<Upload>& upload);
 
-  /// Keeps the upload so that a later call can resume it. Of two with one digest the longer is
+  /// Keeps the upload so that a later call can resume it. If two have one digest, the longer is
   /// kept.
   void set_aside(const std::shared_ptr<Upload>& upload);
   /// Removes the upload.
