@@ -11,7 +11,7 @@
 
 namespace sightline::server::exec {
 
-/// Whose work it is. Time is divided level by level: among principals, among the connections of
+/// The owner of work. Time is divided level by level: among principals, among the connections of
 /// one, among the scenes of a connection. A machine has one share, however many connections it
 /// opens, and clients behind one address divide its share.
 struct FlowKey {

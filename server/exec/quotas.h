@@ -86,7 +86,7 @@ class Quotas {
 
   /// What one quota of the principals of one name has come to.
   struct Tally {
-    std::string principal;  ///< As configured; "others" for all those that are not named.
+    std::string principal;  ///< The configured name; "others" for all that are not named.
     Quota quota = Quota::kRays;
     std::uint64_t limit = 0, refused = 0;
     std::uint64_t used = 0;  ///< What is used now; only for kWork and kStored.
