@@ -95,9 +95,9 @@ class CastJob {
   bool is_slow(std::chrono::milliseconds limit) const {
     return limit.count() > 0 && batch_time_ >= limit;
   }
-  /// For the log: the scene, the caller, and what the last batch was and built.
+  /// What the log says of the last batch: the scene, the caller, what it was and built.
   std::string slow_description() const;
-  /// For the log: the scene, the caller, and totals of all batches.
+  /// What the log says of all batches: the scene, the caller, and totals.
   std::string description() const;
 
  private:
