@@ -115,7 +115,7 @@ Status StoredScene::record_rejected(exec::Compute& compute, const SceneWrite& wr
 void StoredScene::reject_at_head(const SceneWrite& write) {
   auto publication = std::make_shared<Publication>();
   publication->revises = false;
-  scenegraph::Applied next;  // as if it made the next revision
+  scenegraph::Applied next;  // prepared like a batch that makes the next revision
   next.revision = scene_.head()->revision() + 1;
   prepare_producer(*publication, write, next);
   WriteLine* const line = line_ ? &*line_ : nullptr;

@@ -16,11 +16,11 @@
 
 namespace sightline::server::scenes {
 
-/// A write is published, and then answered, once all before it are published and it is committed.
-/// A relaxed write need not be committed for that. When one cannot be committed, all that are not
-/// published are dropped and answered with the error. Those that are published stay and are
-/// appended again; until they are committed, relaxed writes wait for their commit, too. Used on the
-/// scene's write queue, except for note().
+/// A write is published, and then answered, once all before it are published and it is committed. A
+/// relaxed write need not be committed for that. When one cannot be committed, all that are not
+/// published are dropped and answered with the error. Published writes stay and are appended again;
+/// until they are committed, relaxed writes wait for their commit, too. Used on the scene's write
+/// queue, except for note().
 ///
 /// If another server commits first, a write is made again on top of what that server has committed.
 ///
