@@ -20,7 +20,7 @@ class Tls {
   /// Errors: see Certificates::read().
   static Result<std::unique_ptr<Tls>> make(const CertificateFiles& files);
 
-  /// Reads the files again. Those that cannot be used, such as a key whose certificate is not there
+  /// Reads the files again. Files that cannot be used, such as a key whose certificate is not there
   /// yet, change nothing, and are logged once. Errors: as make().
   Status reload();
 
