@@ -120,7 +120,7 @@ void SqliteEngine::checkpoint(bool tight) {
                                              &pages, &moved);
   if (code != SQLITE_OK || pages != moved) return;
   log_pages_ = 0;
-  (void)marks_.sync();  // as durable as what left the log
+  (void)marks_.sync();  // marks become as durable as what left the log
 }
 
 void SqliteEngine::measure() {

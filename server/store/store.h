@@ -221,10 +221,10 @@ class Store {
   // --- Snapshots: a scene at a revision, in a form that the store does not read.
 
   /// Stores a snapshot. Waits for the disk after each chunk, so that batches are committed between.
-  /// `blobs`: those that it names. If it fails, nothing of it stays. Of two calls for one revision
-  /// the later goes on, and the earlier ends with kAborted. Errors: kNotFound,
-  /// kOutOfRange (beyond the newest revision, or older than the base), kAlreadyExists,
-  /// kFailedPrecondition (BLOB_NOT_STORED), those of `next`.
+  /// `blobs`: the blobs that it names. If it fails, nothing of it stays. If two calls store one
+  /// revision, the earlier ends with kAborted. Errors: kNotFound, kOutOfRange (beyond the newest
+  /// revision, or older than the base), kAlreadyExists, kFailedPrecondition (BLOB_NOT_STORED),
+  /// those of `next`.
   virtual Status put_snapshot(SceneId scene, std::uint64_t revision,
                               const std::vector<blobs::BlobDigest>& blobs,
                               const NextChunk& next) = 0;

@@ -14,9 +14,9 @@ namespace sightline::server::store::postgres {
 class Address {
  public:
   /// `uri`: postgresql://[USER[:PASSWORD]@]HOST[:PORT][,HOST[:PORT]...]/[DATABASE][?NAME=VALUE...],
-  /// as libpq defines it. Of several hosts the one is used that takes writes. What it leaves out
-  /// comes from libpq's environment and password file. Errors: kInvalidArgument (BAD_STORE), which
-  /// never shows the text.
+  /// as libpq defines it. The host that takes writes is used. What it leaves out comes from libpq's
+  /// environment and password file. Errors: kInvalidArgument (BAD_STORE), which never shows the
+  /// text.
   static Result<Address> parse(std::string_view uri);
 
   /// The address for people: postgresql://USER@HOST:PORT,.../DATABASE.
