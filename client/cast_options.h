@@ -137,7 +137,7 @@ struct CastOptions {
   bool allow_partial = false;
   /// The revision that answers.
   Consistency consistency{};
-  /// For balancers that keep each part of a scene on a server of its own, as they keep scenes
+  /// A key for balancers that keep each part of a scene on a server of its own, as they keep scenes
   /// apart: equal keys go to the same server. For example, where the sensor is, in coarse steps.
   /// Visible ASCII; empty: all of the scene is one part.
   std::string route_key{};
