@@ -27,7 +27,7 @@ struct RayTable {
   /// ox oy oz dx dy dz tmin tmax; without the last two, their data is null.
   std::array<TableColumn, 8> columns{};
   std::vector<std::uint64_t> shape{};                 ///< the rays' shape, e.g. (height, width)
-  std::vector<std::shared_ptr<const void>> owners{};  ///< of the data
+  std::vector<std::shared_ptr<const void>> owners{};  ///< owners of the data
 
   std::uint64_t rows() const;
   bool has_interval() const { return columns[6].data != nullptr; }
