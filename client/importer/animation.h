@@ -102,9 +102,10 @@ struct Animation {
 struct Rig {
   std::vector<Transform> parent_from_local;  ///< each node's at rest, in the file
   Transform scene_from_file = kIdentity;     ///< applied before the roots
-  /// By mesh: subtracted from its vertices, and added to the transforms of the nodes that carry it
+  /// What was subtracted from each mesh's vertices, and added to the transforms of the nodes that
+  /// carry it
   std::vector<Point> offsets;
-  /// By mesh: the vertices without a pose, in the file. Empty for a mesh without skin and shapes.
+  /// Each mesh's vertices without a pose, in the file. Empty for a mesh without skin and shapes.
   std::vector<std::vector<Point>> vertices;
   std::vector<Skin> skins;                   ///< by mesh
   std::vector<Shapes> shapes;                ///< by mesh

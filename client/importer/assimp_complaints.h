@@ -9,8 +9,8 @@
 
 namespace sightline::client::importer {
 
-/// Collects Assimp's errors and warnings as long as it lives, each sentence once. Those about looks
-/// are left out, and those that do not say that the scene differs. There is one at a time.
+/// Collects Assimp's errors and warnings as long as it lives, each sentence once. Leaves out those
+/// about looks, and those that do not say that the scene differs. There is one at a time.
 class AssimpComplaints {
  public:
   AssimpComplaints();

@@ -35,7 +35,7 @@ struct Contents {
   std::uint64_t vertices = 0, triangles = 0, lines_and_points = 0;
   std::uint64_t points = 0;  // vertices of meshes that have points, or no faces
   std::uint64_t placed = 0;  // triangles of meshes that nodes carry
-  std::uint64_t finite = 0;  // those of them without a bad vertex
+  std::uint64_t finite = 0;  // placed triangles without a bad vertex
   bool hittable = false;
 };
 
