@@ -25,8 +25,8 @@ struct Regression {
 Result<std::vector<Regression>> find_regressions(const nlohmann::ordered_json& before,
                                                  const nlohmann::ordered_json& now,
                                                  double tolerance);
-/// Whether measuring again may show that there is no regression: all are of time, which other load
-/// of the machine takes too. Requests that failed did so.
+/// Whether measuring again may show that there is no regression: all are of times, which other load
+/// of the machine affects, too. Requests that failed are no noise.
 bool may_be_noise(const std::vector<Regression>& regressions);
 
 /// A regression of time counts after this number of slower runs in a row.
