@@ -59,7 +59,7 @@ class Client:
     def __init__(self, connection: Connection):
         self._connection = connection
         self._limits: Optional[Any] = None
-        self._lattices: "Dict[str, Lattice]" = {}  # of scenes by name
+        self._lattices: "Dict[str, Lattice]" = {}  # the lattices of scenes, by name
         self._diagonals: "Dict[str, Tuple[str, float]]" = {}  # and the revision's token, of scenes by name
 
     def __enter__(self) -> "Client":

@@ -34,7 +34,7 @@ class RaycastingScene:
 
     def __init__(self, nthreads: int = 0, device: Any = None, *, client: Optional[Client] = None):
         self._own = OwnScene(client)
-        self._nodes: "List[int]" = []  # of geometry ids; node ids rise, too
+        self._nodes: "List[int]" = []  # the nodes of geometry ids; node ids rise, too
 
     def add_triangles(self, vertex_positions: Any, triangle_indices: Any = None) -> int:
         """Adds a mesh, positions (v, 3) and indices (f, 3), or an object that has them. Returns its geometry id, from 0
