@@ -37,7 +37,8 @@ struct Pinhole {
 struct SphericalScan {
   Vector origin{};
   Vector forward{1, 0, 0}, left{0, 1, 0}, up{0, 0, 1};
-  /// From the first number to the second, in radians, each from -kMaxAngle to kMaxAngle.
+  /// Each range is from the first number to the second, in radians, both from -kMaxAngle to
+  /// kMaxAngle.
   std::array<double, 2> azimuth{}, elevation{};
   std::uint32_t columns = 0, rows = 0;  ///< 1 to kMaxSide
 };
