@@ -21,14 +21,14 @@ struct BackupOptions {
 
 struct RestoreOptions {
   std::string scene = {};      ///< Only this one; empty: all of the backup.
-  std::uint64_t revision = 0;  ///< Of each scene that is restored; 0: the newest.
+  std::uint64_t revision = 0;  ///< The revision of each restored scene; 0: the newest.
   std::stop_token stop = {};
 };
 
 struct RestoredScene {
   std::string name;
   std::uint64_t revision = 0;
-  std::string token;  ///< Of the revision. Tokens of before are not valid any more.
+  std::string token;  ///< The revision's. Older tokens are not valid any more.
 };
 
 }  // namespace sightline::client

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kParts = "scenes.parts";
 constexpr const char* kIncomplete = "incomplete";
-/// As sha256sum writes and checks it.
+/// The file of sums, in the form of sha256sum.
 constexpr const char* kSums = "SHA256SUMS";
 /// A part is a message of the API, which is smaller.
 constexpr std::uint32_t kLargestPart = std::uint32_t{64} << 20;
@@ -55,7 +55,7 @@ Status write_file(const fs::path& path, const std::string& text) {
   return sync(path);
 }
 
-/// Empty where the file is.
+/// The first line of the file; empty if it is empty.
 Result<std::string> read_line(const fs::path& path) {
   const File file(std::fopen(path.c_str(), "re"));
   if (!file) return failed(path, errno);

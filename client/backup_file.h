@@ -54,7 +54,7 @@ class BackupFileReader {
 
   std::filesystem::path path_;
   File file_;
-  std::string bytes_;  // of a part
+  std::string bytes_;  // a part's bytes
 };
 
 }  // namespace sightline::client

@@ -126,7 +126,7 @@ struct CastOptions {
   std::uint64_t root = 0;
   /// These nodes and their descendants are not visible.
   std::vector<std::uint64_t> exclude{};
-  /// For kAll: how many hits are kept per ray, the nearest first. 0: the server's default.
+  /// How many hits kAll keeps per ray, the nearest first. 0: the server's default.
   std::uint32_t max_hits = 0;
   /// Time for the cast on the server, its waiting there included. Rays that have no answer by then
   /// are marked, and CastReport counts them. What was built for them stays: the next cast goes on
@@ -137,7 +137,7 @@ struct CastOptions {
   bool allow_partial = false;
   /// The revision that answers.
   Consistency consistency{};
-  /// For balancers that keep each part of a scene on a server of its own, as they keep scenes
+  /// A key for balancers that keep each part of a scene on a server of its own, as they keep scenes
   /// apart: equal keys go to the same server. For example, where the sensor is, in coarse steps.
   /// Visible ASCII; empty: all of the scene is one part.
   std::string route_key{};
@@ -148,12 +148,12 @@ struct CastOptions {
 /// Sums over all rays of the cast.
 struct CastReport {
   std::uint64_t revision = 0;  ///< the revision of the scene that answered every ray
-  std::string token{};         ///< of that revision, for Consistency::at_least
+  std::string token{};         ///< that revision's, for Consistency::at_least
   std::uint64_t rays = 0;
   std::uint64_t hits = 0;  ///< rays with a hit, for every kind
   std::uint64_t invalid = 0;
-  std::uint64_t unanswered = 0;    ///< of the rays; CastOptions::time_budget, allow_partial
-  std::uint64_t hits_found = 0;    ///< kCount: the sum of the counts; kAll: the hits listed
+  std::uint64_t unanswered = 0;  ///< rays left unanswered; CastOptions::time_budget, allow_partial
+  std::uint64_t hits_found = 0;  ///< kCount: the sum of the counts; kAll: the hits listed
   std::uint64_t rays_cut_off = 0;  ///< kAll: rays with more than max_hits hits
   std::uint64_t traversal_steps = 0;
   std::uint64_t triangle_tests = 0;
@@ -165,7 +165,7 @@ struct CastReport {
 };
 
 inline constexpr std::size_t kRaysPerMessage = 8192;
-/// Of generated rays, which need no room in a message: what a request may have.
+/// A request for generated rays, which take no room in a message, may have this many.
 inline constexpr std::size_t kGeneratedRaysPerMessage = 16384;
 inline constexpr std::size_t kMessagesInFlight = 4;
 

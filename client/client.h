@@ -147,7 +147,7 @@ class Client {
                                   const PrefetchProgress& progress = {}) const;
   /// Builds the cells that a cast of these rays would build, and returns no hits. Accepts any
   /// number of rays, and makes one call for each kRaysPerMessage of them. The report has the
-  /// revision of the last call. Errors as above.
+  /// revision of the last call. Errors: as prefetch().
   Result<PrefetchReport> prefetch_rays(const std::string& scene,
                                        const RayColumns<const double>& rays,
                                        const PrefetchOptions& options = {},
@@ -182,8 +182,8 @@ class Client {
                                  const HitColumns& hits, const CastOptions& options = {}) const;
   Result<CastReport> cast_stream(const std::string& scene, const RayColumns<const float>& rays,
                                  const HitColumns& hits, const CastOptions& options = {}) const;
-  /// The same in bounded memory: `source` gives the rays and `sink` takes the answers while the
-  /// cast runs.
+  /// Casts in bounded memory: `source` gives the rays and `sink` takes the answers while the cast
+  /// runs.
   Result<CastReport> cast_stream(const std::string& scene, const RaySource<double>& source,
                                  RayShape shape, HitFields fields, const HitSink& sink,
                                  const CastOptions& options = {}) const;
@@ -191,8 +191,7 @@ class Client {
                                  RayShape shape, HitFields fields, const HitSink& sink,
                                  const CastOptions& options = {}) const;
 
-  /// The same for any number of rays that the server makes, so that none are sent. Errors: as of
-  /// make_rays().
+  /// Casts any number of rays that the server makes, so that none are sent. Errors: as make_rays().
   Result<CastReport> cast_stream(const std::string& scene, const RayGenerator& generator,
                                  const HitColumns& hits, const CastOptions& options = {}) const;
   Result<CastReport> cast_stream(const std::string& scene, const RayGenerator& generator,

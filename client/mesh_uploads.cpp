@@ -20,7 +20,7 @@ class Uploads {
     for (const MeshUpload& one : uploads) total_ += one.blob->size();
   }
 
-  /// Of one thread: until there are none left, or one has failed.
+  /// Uploads meshes on one thread, until there are none left, or one has failed.
   void work() {
     while (const MeshUpload* const next = take()) {
       const MeshUpload& one = *next;

@@ -16,7 +16,7 @@ namespace sightline::client {
 /// A server that keeps meshes on disk acknowledges each after the disk has it. These wait
 /// together, and share a commit.
 inline constexpr std::size_t kUploadsAtATime = 8;
-/// Nor more bytes than this, unless one mesh alone has more: the server reserves memory for each.
+/// The most bytes at a time, unless one mesh alone has more: the server reserves memory for each.
 inline constexpr std::uint64_t kUploadBytesAtATime = std::uint64_t{32} << 20;
 
 struct MeshUpload {

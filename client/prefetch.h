@@ -11,10 +11,10 @@
 namespace sightline::client {
 
 struct PrefetchOptions {
-  /// Only these nodes and their descendants. Empty: all nodes. With rays, at most one. Errors:
-  /// kNotFound, as for `exclude`.
+  /// Builds only for these nodes and their descendants. Empty: all nodes. With rays, at most one.
+  /// Errors: kNotFound, as for `exclude`.
   std::vector<std::uint64_t> roots{};
-  /// Not these nodes and their descendants.
+  /// Leaves out these nodes and their descendants.
   std::vector<std::uint64_t> exclude{};
   /// With rays: builds what a cast of this kind would build. kCount and kAll build all cells on the
   /// rays' way.
@@ -24,7 +24,7 @@ struct PrefetchOptions {
 };
 
 struct PrefetchReport {
-  std::uint64_t revision = 0;  ///< of the scene whose trees are built
+  std::uint64_t revision = 0;  ///< the revision of the scene whose trees are built
   /// Meshes whose trees are complete; only without rays, like the next three
   std::uint64_t meshes_done = 0;
   std::uint64_t meshes_total = 0;  ///< distinct meshes
@@ -33,7 +33,7 @@ struct PrefetchReport {
   std::uint64_t triangles_total = 0;
   std::uint64_t rays_done = 0;
   std::uint64_t cells_expanded = 0;  ///< by this call
-  std::uint64_t bytes_trees = 0;     ///< of the requested trees; only without rays
+  std::uint64_t bytes_trees = 0;     ///< bytes of the requested trees; only without rays
   std::uint64_t build_us = 0;        ///< time to build trees, summed over the server's threads
   std::uint64_t elapsed_us = 0;      ///< wall time at the server
 };

@@ -14,7 +14,7 @@ namespace sightline::client {
 struct SceneInfo {
   std::string name;  ///< projects/{project}/scenes/{scene}
   std::uint64_t revision = 0;
-  std::string token;  ///< of the revision, for Consistency::at_least
+  std::string token;  ///< the revision's, for Consistency::at_least
   UpAxis up_axis = UpAxis::kUnknown;
   double meters_per_unit = 0;  ///< 0: unknown
   /// In a list: the server has not read the scene from its disk yet, and all below is not known.
@@ -39,11 +39,11 @@ struct SceneStats {
   std::uint64_t cells_deferred = 0;
   std::uint64_t cells_expanded = 0;
   std::uint64_t triangles_built = 0;  ///< distinct triangles in finished leaves
-  std::uint64_t triangles_total = 0;  ///< of distinct meshes
+  std::uint64_t triangles_total = 0;  ///< triangles of distinct meshes
   std::uint64_t bytes_geometry = 0;
   std::uint64_t bytes_trees = 0;
-  std::uint64_t bytes_lists = 0;       ///< part of it: what is not built in the meshes' trees
-  std::uint64_t bytes_wide_nodes = 0;  ///< part of it: what is built in them
+  std::uint64_t bytes_lists = 0;  ///< part of bytes_trees: what is not built in the meshes' trees
+  std::uint64_t bytes_wide_nodes = 0;  ///< part of bytes_trees: what is built in them
   std::uint64_t static_instances = 0;
   std::uint64_t dynamic_instances = 0;
 };
@@ -90,21 +90,21 @@ struct ServerInfo {
   std::uint32_t max_exclusions = 0;
   std::uint32_t max_prefetches = 0;  ///< running at the same time
   std::uint32_t max_updates_per_batch = 0;
-  std::uint64_t max_batch_bytes = 0;     ///< of a batch of an UpdateStream
+  std::uint64_t max_batch_bytes = 0;     ///< a batch of an UpdateStream
   std::uint32_t update_window = 0;       ///< batches of an UpdateStream that are not answered
   std::uint32_t max_update_streams = 0;  ///< open at the same time, like the next two
   std::uint32_t max_watches = 0;
   std::uint32_t max_waiting_reads = 0;     ///< reads that wait for a revision
-  std::uint32_t max_read_wait_ms = 0;      ///< of each
-  std::uint64_t max_exact_revisions = 0;   ///< that can be read in addition to the newest
+  std::uint32_t max_read_wait_ms = 0;      ///< how long each may wait
+  std::uint64_t max_exact_revisions = 0;   ///< those that can be read in addition to the newest
   std::uint64_t max_logged_revisions = 0;  ///< from which a watch can start
-  std::uint32_t max_request_ids = 0;       ///< whose answers are kept, per scene
+  std::uint32_t max_request_ids = 0;       ///< requests whose answers are kept, per scene
   std::uint32_t max_producers = 0;         ///< names per scene
   std::uint32_t max_scenes = 0;
   std::uint32_t max_connections = 0;
   std::uint64_t memory_budget_bytes = 0;  ///< for all that the server holds
   bool is_durable = false;                ///< it keeps scenes on disk
-  std::vector<HeldBytes> memory;          ///< that it holds now
+  std::vector<HeldBytes> memory;          ///< what it holds now
   std::vector<HeldBytes> tree_memory;     ///< the parts of its kind "trees"
   std::uint64_t tree_pieces_evicted = 0;  ///< subtrees and lists, to keep within the budget
   std::uint64_t tree_bytes_evicted = 0;

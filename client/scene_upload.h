@@ -17,8 +17,8 @@ struct ImportedScene;
 namespace sightline::client {
 
 struct SceneUploadOptions {
-  Mobility mobility = Mobility::kStatic;  ///< of every node
-  std::vector<Mobility> by_node{};        ///< of each node; overrides `mobility` if not empty
+  Mobility mobility = Mobility::kStatic;  ///< every node's
+  std::vector<Mobility> by_node{};        ///< each node's; overrides `mobility` if not empty
   /// Takes the place of a scene of that name; otherwise the error is kAlreadyExists.
   bool replace = false;
   /// Ends the upload with kCancelled.
@@ -41,7 +41,7 @@ Result<SceneInfo> upload_scene(const Client& client, const std::string& name,
 
 /// Adds the imported scene's nodes to a scene, its roots under `parent` (0: as roots). Returns
 /// their ids, in the order of scene.nodes. Ignores `options.replace`. Errors: kNotFound; as
-/// above for a scene beyond the limits; those of the calls.
+/// upload_scene() for a scene beyond the limits; those of the calls.
 Result<std::vector<std::uint64_t>> add_to_scene(const Client& client, const std::string& name,
                                                 const importer::ImportedScene& scene,
                                                 std::uint64_t parent,

@@ -25,7 +25,7 @@ struct PutNode {
   NodeRef parent = 0;  ///< 0: a root
   std::string name;    ///< UTF-8
   Transform parent_from_local = kIdentity;
-  std::string mesh_digest;  ///< of an uploaded mesh; empty: a group
+  std::string mesh_digest;  ///< an uploaded mesh's; empty: a group
   Mobility mobility = Mobility::kStatic;
   std::uint32_t mask = 0xffffffff;
 };
@@ -53,7 +53,7 @@ using Update = std::variant<PutNode, SetTransforms, DeleteNode, PatchVertices>;
 struct Applied {
   std::uint64_t revision = 0;
   std::vector<std::uint64_t> nodes;  ///< the id of every PutNode's node, in order
-  std::string token;                 ///< of the revision, for Consistency::at_least
+  std::string token;                 ///< the revision's, for Consistency::at_least
   bool replayed = false;             ///< applied before, by a request of the same id
 };
 
@@ -74,7 +74,7 @@ struct PutSceneOptions {
 
 struct SceneChange {
   std::uint64_t revision = 0;
-  std::string token;  ///< of the revision, for Consistency::at_least
+  std::string token;  ///< the revision's, for Consistency::at_least
   /// The updates that made the revision. They name nodes by id, also those that were put new.
   std::vector<Update> updates;
   /// Nothing changed: the message only says that this revision has been reached. One comes at the
@@ -94,8 +94,8 @@ struct StreamAck {
   };
   std::uint64_t up_to_sequence = 0;
   std::uint64_t revision = 0;  ///< contains all of them
-  std::string token;           ///< of the revision, for Consistency::at_least
-  std::vector<Put> put;        ///< of batches answered since the previous ack
+  std::string token;           ///< the revision's, for Consistency::at_least
+  std::vector<Put> put;        ///< batches answered since the previous ack
 };
 
 /// One batch was rejected and had no effect. All batches before it are answered, and the stream
@@ -129,7 +129,7 @@ struct UpdateStreamState {
   std::uint64_t coalesced = 0;  ///< batches that were replaced by newer ones
   std::uint64_t rejected = 0;
   std::uint64_t reconnects = 0;
-  std::uint64_t bytes_sent = 0;  ///< of messages, including those that were sent again
+  std::uint64_t bytes_sent = 0;  ///< bytes of messages, including those sent again
 };
 
 }  // namespace sightline::client

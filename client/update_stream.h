@@ -37,7 +37,7 @@ class UpdateStream {
   /// batch. Errors: kInvalidArgument, the numbers of nodes and transforms differ;
   /// kResourceExhausted, the batch is larger than the server's limits (65,536 updates, 64 MiB).
   Result<std::uint64_t> send(std::span<const Update> updates);
-  /// The same, but does nothing and returns nothing if it would have to wait.
+  /// Sends a batch as send() does. Does nothing and returns nothing if it would have to wait.
   Result<std::optional<std::uint64_t>> try_send(std::span<const Update> updates);
 
   /// Waits until the batch is answered. Errors: the reason if the batch was rejected (the last

@@ -7,14 +7,15 @@
 
 namespace sightline {
 
-/// ASCII without control characters. gRPC takes no other byte in a header that is not binary, and
-/// ends the process that hands it one: ask before every AddMetadata() of text from outside.
+/// Whether a character is ASCII and no control character. gRPC takes no other byte in a header that
+/// is not binary, and ends the process that hands it one: ask before every AddMetadata() of text
+/// from outside.
 constexpr bool is_printable(char c) { return c >= ' ' && c <= '~'; }
 constexpr bool is_printable(std::string_view text) {
   return std::all_of(text.begin(), text.end(), [](char c) { return is_printable(c); });
 }
 
-/// Printable, not empty, and without blanks.
+/// Whether a text is printable, not empty, and without blanks.
 constexpr bool is_visible(std::string_view text) {
   return !text.empty() && is_printable(text) && text.find(' ') == std::string_view::npos;
 }

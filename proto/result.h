@@ -30,7 +30,7 @@ enum class Code : std::uint8_t {
   kUnauthenticated,
 };
 
-/// As gRPC writes it, e.g. "NOT_FOUND".
+/// The name of a code as gRPC writes it, e.g. "NOT_FOUND".
 constexpr const char* name_of(Code code) {
   constexpr const char* kNames[] = {
       "CANCELLED",         "UNKNOWN",       "INVALID_ARGUMENT",  "DEADLINE_EXCEEDED",

@@ -1,4 +1,4 @@
-// Applying a batch of updates: check and edit a private copy, then publish it whole.
+// Applies a batch of updates: checks and edits a private copy, then publishes it whole.
 #include "scenegraph/scene.h"
 
 #include <algorithm>
@@ -92,8 +92,8 @@ void Scene::set_published(SceneState next) noexcept {
   std::swap(published_, next);
 }
 
-/// Replaces the published snapshot and the head by what renew() makes of them. With the writer's
-/// lock.
+/// Replaces the published snapshot and the head by what renew() makes of them. The writer's lock is
+/// held.
 template <class Renew>
 void Scene::renew_trees(const Renew& renew) {
   SceneState now = state();
@@ -102,13 +102,14 @@ void Scene::renew_trees(const Renew& renew) {
   set_published(std::move(now));
 }
 
-/// With the writer's lock. A static tree is not begun while trees are merged that it would hold.
+/// The static merge that is due. It does not begin while trees are merged that it would hold. The
+/// writer's lock is held.
 std::optional<revision::TierRange> Scene::due_static_merge(const revision::Snapshot& now) const {
   if (merge_state_.static_up_to > 0 || merge_state_.dynamic_up_to > 0) return std::nullopt;
   return revision::due_static_merge(now);
 }
 
-/// With the writer's lock.
+/// The dynamic merge that is due. The writer's lock is held.
 std::optional<revision::TierRange> Scene::due_dynamic_merge(const revision::Snapshot& now) const {
   if (merge_state_.dynamic_up_to > 0) return std::nullopt;
   return revision::due_dynamic_merge(now, merge_state_);
@@ -121,7 +122,8 @@ void Scene::merge_trees() {
         [this](const revision::Snapshot& now) { return due_dynamic_merge(now); });
 }
 
-/// `up_to` says which trees are being merged; guarded by the writer's lock.
+/// Merges the trees that due() returns. `up_to`, guarded by the writer's lock, says which trees are
+/// being merged.
 template <class Due>
 void Scene::merge(std::mutex& merging, std::uint64_t& up_to, const Due& due) {
   const std::unique_lock lock(merging, std::try_to_lock);

@@ -30,10 +30,10 @@ struct Applied {
 };
 
 struct ApplyOptions {
-  /// Refuse (kAborted) unless this is the current revision.
+  /// If set, the batch is refused (kAborted) unless this is the current revision.
   std::optional<std::uint64_t> expected_revision = std::nullopt;
-  /// Called with the result when nothing can fail any more but itself. If it throws, the scene is
-  /// as it was.
+  /// Called with the result when nothing else can fail any more. If it throws, the scene is as it
+  /// was.
   std::function<void(const Applied&)> before_publish = {};
   /// Called with the bytes of each mesh that the patches make, before it is made; the charge lives
   /// as long as that mesh.
@@ -48,8 +48,8 @@ struct ApplyOptions {
 struct SceneContent {
   std::uint64_t revision = 0;
   model::NodeId next_id = 1;
-  /// Each after its parent; children of one parent in their order. `children`, `entered` and
-  /// `is_flat` are not used.
+  /// The nodes, each after its parent; children of one parent in their order. `children`, `entered`
+  /// and `is_flat` are not used.
   std::vector<model::Node> nodes;
 };
 

@@ -61,8 +61,9 @@ Result<TraceStats> trace_blocks(const revision::Snapshot& snapshot, QueryKind ki
   return traced;
 }
 
-/// Casts every ray. Calls keep(Caster, first, lanes) where the answers to the rays from the first
-/// on are in the caster that have a bit in `lanes`; pencils write theirs to the hits, if any.
+/// Casts every ray. Calls keep(Caster, first, lanes) where the caster has the answers to some rays
+/// from `first` on, which have a bit in `lanes`. Pencils write their answers to `hits`, if that is
+/// not null.
 template <class Keep>
 Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
                              const RayColumns& rays, const HitColumns* hits,
@@ -213,7 +214,7 @@ Result<TraceStats> list_hits(const revision::Snapshot& snapshot, std::span<const
 
 Status grow_for_rays(const revision::Snapshot& snapshot, std::span<const Ray> rays,
                      const TraceOptions& options, query::BuildProgress& progress) {
-  // Lists grow what counts grow.
+  // Listing hits grows the same cells as counting them.
   const QueryKind kind = options.kind == QueryKind::kAll ? QueryKind::kCount : options.kind;
   constexpr std::size_t kRaysPerReport = 4096;
   while (!rays.empty()) {

@@ -26,16 +26,16 @@ Result<TraceStats> trace(const revision::Snapshot& snapshot,
                          std::span<const accel::geometry::Ray> rays,
                          std::span<accel::geometry::Hit> hits, const TraceOptions& options);
 
-/// As trace() of arrays, for rays that are read where they lie and hits whose fields are written
-/// where they are asked for. `surface` of the options counts only if weights or normals are asked.
-/// Fields of kAny that only a closest hit has are those of a miss. The numbers of the rays must not
-/// overlap the fields.
+/// Answers rays that are read where they lie, and writes the fields of hits that are asked for;
+/// otherwise as trace() of arrays. `surface` of the options counts only if weights or normals are
+/// asked. Fields of kAny that only a closest hit has are those of a miss. The numbers of the rays
+/// must not overlap the fields.
 Result<TraceStats> trace(const revision::Snapshot& snapshot,
                          const accel::geometry::RayColumns& rays,
                          const accel::geometry::HitColumns& hits, const TraceOptions& options);
 
 /// kCount: tallies[i] is the answer to rays[i]. The memory for a ray is in proportion to its hits
-/// in one mesh, and freed with the block. Errors as of trace().
+/// in one mesh, and freed with the block. Errors are those of trace().
 Result<TraceStats> count_hits(const revision::Snapshot& snapshot,
                               std::span<const accel::geometry::Ray> rays,
                               std::span<RayTally> tallies, const TraceOptions& options);
@@ -46,7 +46,8 @@ Result<TraceStats> count_hits(const revision::Snapshot& snapshot,
 /// kAll: `hits` becomes the hits of the rays, in the order of the rays; those of rays[i]
 /// (tallies[i].count of them) are sorted by (t, node, primitive). An invalid ray has none. Answers
 /// only the first TraceStats::rays of the rays: all, unless hits_at_once is reached before. Needs
-/// memory for at most twice (hits_at_once + a block's hits for each thread). Errors as of trace().
+/// memory for at most twice (hits_at_once + a block's hits for each thread). Errors are those of
+/// trace().
 Result<TraceStats> list_hits(const revision::Snapshot& snapshot,
                              std::span<const accel::geometry::Ray> rays,
                              std::span<RayTally> tallies, std::vector<accel::geometry::Hit>& hits,

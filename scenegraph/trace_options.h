@@ -28,12 +28,13 @@ enum class QueryKind : std::uint8_t {
 /// How much tree a batch may grow.
 enum class Growth : std::uint8_t {
   kFirstTouch,  ///< The first ray that enters a cell expands it.
-  kDemand,      ///< A cell of a mesh is expanded when rays have spent as much on searching it, or
-                ///< those of the batch would; the scene's own trees, by the first ray.
-  kFull,        ///< Everything is built before the first ray.
-  kNone,        ///< Nothing is grown; deferred cells are searched triangle by triangle.
-  kBuiltOnly,   ///< Nothing is grown and deferred cells are skipped. Shows what exists; not an
-                ///< answer to a query.
+  /// A cell of a mesh is expanded once searching it has cost rays, or will cost this batch, as much
+  /// as expanding it; a cell of the scene's own trees by the first ray.
+  kDemand,
+  kFull,       ///< Everything is built before the first ray.
+  kNone,       ///< Nothing is grown; deferred cells are searched triangle by triangle.
+  kBuiltOnly,  ///< Nothing is grown and deferred cells are skipped. Shows what exists; not an
+               ///< answer to a query.
 };
 
 struct TraceOptions {
@@ -41,8 +42,8 @@ struct TraceOptions {
   Growth growth = Growth::kFirstTouch;
   /// Whether barycentrics and normals are computed.
   bool surface = true;
-  /// By the winding in the mesh's own frame, like normals: a mirrored instance keeps its outside.
-  /// Culled hits do not exist for any kind.
+  /// Which hits are ignored, by the winding in the mesh's own frame, like normals: a mirrored
+  /// instance keeps its outside. Culled hits do not exist for any kind.
   accel::geometry::Culling culling = accel::geometry::Culling::kNone;
   /// The nodes that rays see, from the traced snapshot; null: all. Must outlive the batch.
   const query::Selection* selection = nullptr;
@@ -76,20 +77,20 @@ struct TraceStats {
   std::uint64_t rays = 0;
   std::uint64_t hits = 0;  ///< Rays with a hit, of any kind.
   std::uint64_t invalid = 0;
-  std::uint64_t unanswered = 0;       ///< For TraceOptions::partial; not among `rays`.
+  std::uint64_t unanswered = 0;       ///< Rays without an answer, not among `rays`.
   std::uint64_t hits_found = 0;       ///< kCount: sum of the counts. kAll: hits listed.
   std::uint64_t cut_off = 0;          ///< kAll: rays with more than max_hits.
   std::uint64_t traversal_steps = 0;  ///< Inner nodes visited, scene level included.
-  std::uint64_t triangle_tests = 0;   ///< Scans of deferred cells included.
+  std::uint64_t triangle_tests = 0;   ///< Triangles tested, searches of deferred cells included.
   std::uint64_t instances_entered = 0;
   std::uint64_t cells_expanded = 0;
   std::uint64_t trees_begun = 0;  ///< Trees whose roots were expanded.
   std::uint64_t touches = 0;      ///< Reference bounds read by build passes.
   /// The part of `touches` and `touches_prepare` for the dynamic trees and the meshes that rays
-  /// entered through them. (For a full build: of the dynamic trees only.)
+  /// entered through them. (A full build counts only the dynamic trees.)
   std::uint64_t dynamic_touches = 0;
   std::uint64_t touches_prepare = 0;  ///< Boxes made from vertices.
-  double build_seconds = 0;           ///< Summed over threads.
+  double build_seconds = 0;           ///< Time spent on building, summed over threads.
 
   TraceStats& operator+=(const TraceStats& o) {
     rays += o.rays;
@@ -114,12 +115,13 @@ struct TraceStats {
 /// The answer of count_hits and list_hits to one ray.
 struct RayTally {
   std::uint32_t count = 0;  ///< Distinct hits, at most kMaxCount. For list_hits: those listed.
-  std::uint32_t work = 0;   ///< As Hit::work.
+  std::uint32_t work = 0;   ///< See Hit::work.
   accel::geometry::HitState state = accel::geometry::HitState::kMiss;
-  bool cut_off = false;  ///< There are farther hits than those listed.
+  bool cut_off = false;  ///< Whether there are farther hits than those listed.
 };
-inline constexpr std::uint32_t kInvalidCount = 0xffffffffu;  ///< count_hits: for an invalid ray.
-inline constexpr std::uint32_t kUnansweredCount = kInvalidCount - 1;  ///< For an unanswered ray.
+inline constexpr std::uint32_t kInvalidCount = 0xffffffffu;  ///< Count of an invalid ray.
+/// Count of an unanswered ray.
+inline constexpr std::uint32_t kUnansweredCount = kInvalidCount - 1;
 inline constexpr std::uint32_t kMaxCount = kUnansweredCount - 1;
 
 }  // namespace sightline::scenegraph

@@ -35,8 +35,8 @@ class AdminPort {
   /// Errors: kUnavailable (the port cannot be bound), as check().
   Status open(const std::shared_ptr<grpc::Channel>& services);
 
-  /// The live page makes no calls any more; probes and metrics are answered. Before the services
-  /// shut down.
+  /// The live page makes no calls any more; probes and metrics are answered. Call it before the
+  /// services shut down.
   void stop_page();
 
   std::uint16_t port() const { return port_; }  ///< The bound port; 0: none, or a Unix socket.

@@ -29,17 +29,17 @@ struct ServerConfig {
   std::filesystem::path data_dir;   ///< Created if missing. Empty: none.
   std::string store;  ///< postgresql://..., instead of data_dir; may hold a password. Empty: none.
   std::filesystem::path mesh_cache;  ///< Copies of meshes of `store`. Empty: a temporary directory.
-  /// Reads that name no revision are refused while the newest revisions in `store` were not told
-  /// for longer. 0: never.
+  /// Reads that name no revision are refused when the newest revisions in `store` were last learned
+  /// longer ago. 0: never.
   std::chrono::milliseconds max_staleness{0};
   std::string shard_peers;  ///< HOST:PORT,HOST:PORT...: who answers for the shards. Empty: none.
-  std::filesystem::path shard_ca;   ///< Of their certificates. Empty: no TLS, or the system's.
+  std::filesystem::path shard_ca;   ///< Their authority. Empty: no TLS, or the system's.
   int threads = default_threads();  ///< Workers for queries, 1 to kMaxThreads. Updates and
                                     ///< background work have as many each.
   scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< kFirstTouch, kDemand or kFull.
   std::uint64_t memory_budget = default_memory_budget();        ///< Bytes of all that is held.
   exec::AdmissionLimits admission;
-  int max_prefetches = 4;  ///< Running at a time, 0 to kMaxPrefetches.
+  int max_prefetches = 4;  ///< Prefetches at a time, 0 to kMaxPrefetches.
   exec::QuotaConfig quotas;
   std::string admin;  ///< HOST:PORT for probes, metrics and the live page. Empty: none.
   bool metrics_per_scene = false;              ///< Metrics with a label for the scene.
@@ -52,9 +52,9 @@ struct ServerConfig {
 
   static constexpr int kMaxThreads = 1024;
   static constexpr int kMaxPrefetches = 64;
-  static constexpr std::chrono::hours kMaxTime{24};  ///< Of every setting that is a time.
+  static constexpr std::chrono::hours kMaxTime{24};  ///< The limit of every setting that is a time.
   static constexpr std::chrono::minutes kConnectionGrace{1};
-  static constexpr int kMaxCallsPerConnection = 64;  ///< At a time; more wait.
+  static constexpr int kMaxCallsPerConnection = 64;  ///< Calls at a time; more wait.
   static constexpr int kMaxMessageBytes = 4 << 20;   ///< Largest message that a client may send.
   /// Whether scenes outlive the process.
   bool is_durable() const { return !data_dir.empty() || !store.empty(); }

@@ -11,7 +11,7 @@ namespace sightline::server {
 
 /// Passes the flags to `read`. Defaults that depend on the machine are words.
 void describe_flags(const std::function<void(const CLI::App&)>& read);
-/// The same of `sightlined doctor`.
+/// Passes the flags of `sightlined doctor` to `read`.
 void describe_doctor_flags(const std::function<void(const CLI::App&)>& read);
 
 }  // namespace sightline::server

@@ -27,8 +27,8 @@ constexpr std::uint64_t kLeastForTransport = std::uint64_t{16} << 20;
 /// Bytes that a call may send before they are read: 10 MB a second at 100 ms.
 constexpr int kWindow = 1 << 20;
 
-/// Between the end of the last call and the end of the connections, which clients may use to close
-/// them themselves.
+/// The time between the end of the last call and the end of the connections, in which clients may
+/// close them.
 constexpr std::chrono::milliseconds kGoodbye{100};
 
 /// Settings that differ from the library's defaults. They were measured.
@@ -44,7 +44,7 @@ void configure(grpc::ServerBuilder& builder, const ServerConfig& config) {
   const std::uint64_t quota =
       std::max(exec::MemoryParts::of(config.memory_budget).transport, kLeastForTransport);
   builder.SetResourceQuota(grpc::ResourceQuota("sightline").Resize(quota));
-  // Windows that follow the speed of a client would take all of that for one that is fast, and its
+  // Windows that follow the speed of a client would take the whole quota for a fast one, and its
   // call would be given up.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, kWindow);
@@ -59,7 +59,7 @@ void configure(grpc::ServerBuilder& builder, const ServerConfig& config) {
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 10'000);
 }
 
-/// Of all servers of the process.
+/// Adds health checks and reflection, once, to all servers of the process.
 void add_plugins() {
   static std::once_flag added;
   std::call_once(added, [] {

@@ -39,12 +39,12 @@ class Endpoint {
 
   const net::EndedConnections& ended_connections() const { return *ended_connections_; }
 
-  /// Calls of this process; after serve().
+  /// A channel for calls of this process. Call it after serve().
   std::shared_ptr<grpc::Channel> in_process();
 
-  /// What the health service says from now on: that of a server that stops, and does not change.
+  /// From now on the health service says, for good, that the server does not serve.
   void not_serving();
-  /// What it says until then. Threads: any.
+  /// Sets what the health service says until not_serving(). Threads: any.
   void set_serving(bool serving);
   /// Refuses new calls, waits up to ServerConfig::drain for open ones and then cancels them.
   /// Returns when all have ended.

@@ -121,10 +121,10 @@ class GuardedBackups final : public durable::BackupRpc {
   explicit GuardedBackups(const Guard& guard, Arguments&&... arguments)
       : BackupRpc(std::forward<Arguments>(arguments)...), guard_(guard) {}
 
-  /// Of all scenes: for administrators of all scenes.
+  /// A backup of all scenes needs an administrator of all scenes.
   grpc::ServerWriteReactor<v1::BackupResponse>* Backup(grpc::CallbackServerContext* context,
                                                        const v1::BackupRequest* request) override;
-  /// For administrators of all scenes.
+  /// Needs an administrator of all scenes.
   grpc::ServerReadReactor<v1::RestoreRequest>* Restore(grpc::CallbackServerContext* context,
                                                        v1::RestoreResponse* reply) override;
 
@@ -141,7 +141,7 @@ class GuardedInfo final : public InfoRpc {
   grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context,
                                           const v1::GetServerInfoRequest* request,
                                           v1::GetServerInfoResponse* reply) override;
-  /// For administrators of all scenes.
+  /// Needs an administrator of all scenes.
   grpc::ServerUnaryReactor* ReadLog(grpc::CallbackServerContext* context,
                                     const v1::ReadLogRequest* request,
                                     v1::ReadLogResponse* reply) override;

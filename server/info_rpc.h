@@ -11,7 +11,7 @@ namespace sightline::server {
 
 class InfoRpc : public v1::ServerService::CallbackService {
  public:
-  /// `max_connections`: that are open at a time. `memory` outlives this object.
+  /// `max_connections`: how many may be open at a time. `memory` outlives this object.
   InfoRpc(const ServerConfig& config, std::size_t max_connections,
           const exec::MemoryAccount& memory);
 

@@ -17,7 +17,7 @@ class LogTail {
   static constexpr std::size_t kLines = 500;
   static constexpr std::size_t kMaxLine = 1024;  ///< Bytes; a longer line is cut.
 
-  /// Without its line break. Bytes that are not ASCII are shown as "?".
+  /// Adds a line without its line break. Bytes that are not ASCII are shown as "?".
   void add(std::string_view line);
 
   struct Lines {
@@ -33,7 +33,7 @@ class LogTail {
   std::deque<std::string> lines_;
 };
 
-/// Of this process.
+/// The tail of this process's log.
 LogTail& log_tail();
 
 }  // namespace sightline::server

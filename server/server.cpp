@@ -53,7 +53,8 @@ Status check_shards(const ServerConfig& config) {
 
 }  // namespace
 
-/// In order of construction. A member uses only members before it and is destroyed before them.
+/// Members are in order of construction: each uses only those before it and is destroyed before
+/// them.
 struct Server::Parts {
   Parts(const ServerConfig& config, Access made, std::unique_ptr<store::Store> disk,
         shards::Peers peers)
@@ -78,7 +79,7 @@ struct Server::Parts {
   std::atomic<bool> asked_to_reload{false};
   exec::Ticker reload{kReloadEvery, [this] { access.reload(asked_to_reload.exchange(false)); }};
   std::optional<exec::Ticker> health;  // where other servers use the store, too
-  std::optional<exec::Ticker> pings;   // of the peers, if there are some
+  std::optional<exec::Ticker> pings;   // pings the peers, if there are some
   std::once_flag drained;
 
   Status answer_probes();

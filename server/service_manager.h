@@ -5,8 +5,8 @@
 
 namespace sightline::server {
 
-/// "READY=1", "STOPPING=1", or lines of them. Without a manager that listens (NOTIFY_SOCKET is not
-/// set) nothing is done. Never waits; what cannot be sent is lost.
+/// Sends "READY=1", "STOPPING=1", or lines of them. Without a manager that listens (NOTIFY_SOCKET
+/// is not set) nothing is done. Never waits; what cannot be sent is lost.
 void tell_service_manager(std::string_view state);
 
 }  // namespace sightline::server

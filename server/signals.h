@@ -7,18 +7,18 @@
 
 namespace sightline::server {
 
-/// Signals are taken from when it is made: by this thread, in next(), and by none that it starts
-/// later. Make it first of all. SIGTERM, SIGINT and SIGHUP wait for next(). Those that would end
-/// the process by default, and that are meant for programs of other kinds, are ignored: SIGUSR1,
-/// SIGUSR2, SIGPIPE, SIGALRM, SIGVTALRM, SIGPROF, SIGIO, SIGPWR, SIGSTKFLT and the real-time
-/// signals. All others, such as SIGQUIT, which leaves a core dump, do what they do by default.
+/// Takes signals from its construction on. Make it first of all: threads that start later inherit
+/// its mask. SIGTERM, SIGINT and SIGHUP wait for wait_for_end(). Signals that would end the process
+/// by default, and that are meant for programs of other kinds, are ignored: SIGUSR1, SIGUSR2,
+/// SIGPIPE, SIGALRM, SIGVTALRM, SIGPROF, SIGIO, SIGPWR, SIGSTKFLT and the real-time signals. All
+/// others, such as SIGQUIT, which leaves a core dump, do what they do by default.
 class Signals {
  public:
   Signals();
   Signals(const Signals&) = delete;
   Signals& operator=(const Signals&) = delete;
 
-  /// The first three end the process again: for a program that only looks at something.
+  /// SIGTERM, SIGINT and SIGHUP end the process again: for a program that only checks something.
   void let_go() const;
 
   /// Waits for SIGTERM or SIGINT, and returns it. For each SIGHUP before it calls on_hangup().

@@ -19,7 +19,8 @@ namespace sightline::server {
 
 namespace {
 
-/// For small casts, and for small replies: half of the part of the budget that is the calls' own.
+/// The bytes reserved for small casts, and as many for small replies: at most half of the calls'
+/// part of the budget.
 std::uint64_t reserved_bytes(const ServerConfig& config) {
   return std::min(config.admission.bytes / exec::kSmallShare,
                   exec::MemoryParts::of(config.memory_budget).calls / 2);
@@ -51,7 +52,7 @@ State::State(const ServerConfig& c, std::unique_ptr<store::Store> disk, shards::
                   .full_reason = "TOO_MANY_PREFETCHES",
                   .when_stopped = "the server is stopping; what is built was not finished",
                   .shared = false}),
-      // Each of the peers may be at work on as many.
+      // Each peer may run as many.
       shard_prefetches({.limit = static_cast<std::size_t>(c.max_prefetches) * shard_peers.size(),
                         .when_full = "the server is at work on {} prefetches of shards",
                         .full_reason = "TOO_MANY_PREFETCHES",

@@ -29,7 +29,8 @@
 
 namespace sightline::server {
 
-/// In order of construction. A member uses only members before it and is destroyed before them.
+/// Members are in order of construction: each uses only those before it and is destroyed before
+/// them.
 struct State {
   /// `disk`: null keeps scenes in memory only.
   State(const ServerConfig& config, std::unique_ptr<store::Store> disk, shards::Peers peers);
@@ -98,7 +99,7 @@ struct State {
   void stop_waiting();
 
   /// Ends calls whose peers keep the server waiting, keeps trees within the memory budget, and
-  /// looks after the store. To be called often. Errors are logged.
+  /// looks after the store. Call it often. Errors are logged.
   void enforce_limits();
 };
 

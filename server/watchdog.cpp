@@ -15,7 +15,8 @@ namespace {
 constexpr std::string_view kMessage =
     "sightlined: did not end in time after the drain, and was ended by its watchdog\n";
 
-/// Not through the log, which may be what has stopped, and only if the line fits into the pipe.
+/// Writes a line to stderr if it fits into the pipe: not through the log, which may be what has
+/// stopped.
 void say_why() {
   pollfd standard_error{.fd = STDERR_FILENO, .events = POLLOUT, .revents = 0};
   if (poll(&standard_error, 1, 0) != 1 || (standard_error.revents & POLLOUT) == 0) return;

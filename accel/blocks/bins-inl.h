@@ -38,8 +38,8 @@ class Bins {
     for (std::size_t i = 0; i < count; ++i) add(boxes[indices[i]]);
   }
 
-  /// Finds the cheapest plane between bins, by the area of a side times its groups of four. False
-  /// if there is none: all centers are equal, or so large that they overflow.
+  /// Finds the cheapest plane between bins, by the area of a side times its groups of four. Returns
+  /// false if there is none: all centers are equal, or so large that they overflow.
   HWY_INLINE bool search() {
     if (!usable_) return false;
     Pack<8> all = Pack<8>::load(unions_[0][0].lanes);
@@ -81,7 +81,7 @@ class Bins {
     float lanes[4];
   };
 
-  /// Twice the center.
+  /// Twice the center of a box: the factor does not change its bin.
   static HWY_INLINE Pack<4> center(const BoxLanes& box) {
     return Pack<4>::load(box.lanes + 4) - Pack<4>::load(box.lanes);
   }
@@ -100,7 +100,8 @@ class Bins {
     for (std::size_t a = 0; a < 3; ++a) {
       finite = finite && extent.lanes[a] <= std::numeric_limits<float>::max();
       differ = differ || extent.lanes[a] > 0;
-      // A little less than the number of bins, as rounding must not exceed the last one.
+      // The range is a little less than the number of bins, as rounding must not exceed the last
+      // one.
       constexpr float kRange = static_cast<float>(kBins) - 0.01f;
       scale_.lanes[a] = extent.lanes[a] > 0
                             ? std::min(kRange / extent.lanes[a], std::numeric_limits<float>::max())
@@ -167,7 +168,7 @@ class Bins {
   const BoxLanes* boxes_;
   const std::uint32_t* indices_;
   std::size_t count_;
-  Quad least_{}, scale_{};  ///< Of the centers, and bins over it.
+  Quad least_{}, scale_{};  ///< By axis: the least center, and bins per unit of extent.
   Pack<4> lowest_, scales_;
   bool usable_ = false;
   float inverse_ = 0;

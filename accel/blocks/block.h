@@ -44,14 +44,14 @@ struct Block {
     return corners_ + sizeof(std::uint32_t) * k * corner_words(triangles);
   }
   std::uint32_t id(std::size_t triangle) const { return ids_[triangle]; }
-  /// Relative to the center of the frame.
+  /// Vertex i, relative to the center of the frame.
   geometry::Vec3f vertex(std::size_t i) const { return {x[i], y[i], z[i]}; }
 
-  /// Words of one corner of all triangles.
+  /// Size of one corner of all triangles, in words.
   static constexpr std::size_t corner_words(std::size_t triangles) { return (triangles + 3) / 4; }
 
   unsigned triangles, vertices;
-  const float *x, *y, *z;  ///< Of all vertices.
+  const float *x, *y, *z;  ///< The coordinates of all vertices.
 
  private:
   const std::uint8_t* corners_;

@@ -30,8 +30,8 @@ namespace HWY_NAMESPACE {
 /// Costs of visiting an inner node and a leaf, and of each triangle in a leaf. A leaf is tested
 /// four triangles at a time, so splits are compared by groups of four.
 constexpr float kInnerCost = 0.5f, kLeafCost = 1.0f, kTriangleCost = 0.05f;
-/// What remains of the cost of the best split, and of the triangles, once the splits below are
-/// made.
+/// Estimated shares of the cost of the best split, and of its triangles, that remain once the
+/// splits below are made.
 constexpr float kSplitGain = 0.6f, kTriangleGain = 0.5f;
 /// A set is quantized again if its extents have become smaller than this.
 constexpr unsigned kCoarseExtent = 24;
@@ -47,7 +47,7 @@ class Growth {
          Arena& arena)
       : work_(work), mesh_(mesh), center_(center), arena_(arena) {}
 
-  /// The subtree of a part of the indices.
+  /// Grows the subtree of a range of the indices.
   const Node* grow(std::size_t first, std::size_t count, unsigned levels) {
     std::uint32_t* const indices = work_.indices.data() + first;
     if (count <= kSweptSet) {
@@ -103,7 +103,7 @@ class Growth {
     for (std::size_t a = 0; a < 3; ++a) sort_records(records, count, a, orders.own[a]);
   }
 
-  /// The right side of a split grows first, as it may overwrite what is behind it.
+  /// The right side of a split grows first: growing the left side may overwrite what is behind it.
   HWY_NOINLINE const Node* grow_orders(const Orders& orders, std::size_t count, unsigned levels) {
     if (count == 1) return leaf(orders.own[0], count);
     OrderSplit split = sweep(orders, count);
@@ -128,7 +128,7 @@ class Growth {
                split.cost * (kLeafCost * kSplitGain);
   }
 
-  /// Null if the triangles have too many vertices.
+  /// Makes a leaf; null if the triangles have too many vertices.
   const Node* leaf(const std::uint64_t* records, std::size_t count) {
     std::uint32_t ids[kBlockTriangles];
     for (std::size_t i = 0; i < count; ++i)
@@ -147,10 +147,11 @@ class Growth {
   const geometry::MeshView& mesh_;
   const geometry::Vec3f& center_;
   Arena& arena_;
-  const std::uint32_t* indices_ = nullptr;  ///< Of the swept set.
+  const std::uint32_t* indices_ = nullptr;  ///< The indices of the swept set.
 };
 
-/// Clips the boxes. A reference has its corners in the lanes of a box, and integers in the others.
+/// Loads references, and clips their boxes to the cell. A reference has its corners in the lanes
+/// that they have in BoxLanes, and integers in the others.
 void load(Workspace& work, const geometry::MeshView& mesh, std::span<const kdtree::Reference> refs,
           const geometry::Aabb& cell) {
   static_assert(offsetof(kdtree::Reference, lo) == 0 &&

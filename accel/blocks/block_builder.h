@@ -19,16 +19,17 @@ inline constexpr unsigned kMostLevels = 40;
 /// Splits sets of triangles by the surface area heuristic. One thread at a time; memory is reused.
 class BlockBuilder {
  public:
-  /// `center`: of the blocks' frame (frame.h). The arrays of the mesh stay valid and finite.
+  /// `center` is that of the blocks' frame (frame.h). The arrays of the mesh must stay valid and
+  /// finite.
   BlockBuilder(const geometry::MeshView& mesh, const geometry::Vec3f& center);
   ~BlockBuilder();
   BlockBuilder(BlockBuilder&&) noexcept;
   BlockBuilder& operator=(BlockBuilder&&) noexcept;
 
-  /// The root over boxes of triangles, at least one and at most 2^31, none openable. Each box is
-  /// clipped to the cell; one that lies outside becomes flat, on the cell's boundary. Every
-  /// reference is in one block; equal ones are kept. All targets build the same tree. Throws
-  /// std::bad_alloc.
+  /// Builds a tree in `arena` over boxes of triangles, at least one and at most 2^31, none
+  /// openable, and returns its root. Each box is clipped to the cell; one that lies outside becomes
+  /// flat, on the cell's boundary. Every reference is in one block; equal ones are kept. All
+  /// targets build the same tree. Throws std::bad_alloc.
   const Node* build(std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,
                     Arena& arena);
 

@@ -15,7 +15,8 @@ namespace sightline::accel::blocks {
 /// denormals. Otherwise the center is 0, and v stays as it is. Empty bounds: the origin.
 geometry::Vec3f frame_center(const geometry::Aabb& bounds);
 
-/// v - center, on one axis. Keeps denormals where the center is 0.
+/// Returns v - center on one axis. Where the center is 0 it returns v as it is, which keeps
+/// denormals.
 inline float relative(float v, float center) { return center == 0 ? v : v - center; }
 
 }  // namespace sightline::accel::blocks

@@ -13,13 +13,13 @@ namespace sightline::accel::blocks {
 namespace {
 
 constexpr std::size_t kLeastChunk = std::size_t{4} << 10;
-/// A new chunk is this share of all before it.
+/// A new chunk has the size of all before it, divided by this.
 constexpr std::size_t kShare = 8;
 
 }  // namespace
 
 void Chunks::add(std::size_t least) {
-  // What the first piece of a chunk is aligned to.
+  // The size of the header, which keeps the first piece of a chunk aligned.
   constexpr std::size_t kHeader = kAlignment;
   static_assert(sizeof(Chunk) <= kHeader && alignof(std::max_align_t) >= kAlignment);
   std::size_t size =

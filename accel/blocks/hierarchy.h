@@ -15,17 +15,17 @@ namespace sightline::accel::blocks {
 /// An inner node with two children, or a leaf: with a block (block.h), or with a list
 /// (kdtree/slot.h).
 struct Node {
-  geometry::Aabb box;        ///< Of the clipped references below, in mesh coordinates.
-  std::uint32_t words = 0;   ///< Of the block or the list; 0: an inner node.
-  std::uint16_t levels = 0;  ///< 0: a leaf; otherwise 1 + the larger of the children's.
-  std::uint16_t leaves = 1;  ///< Below, up to kManyLeaves.
+  geometry::Aabb box;        ///< Bounds of the clipped references below, in mesh coordinates.
+  std::uint32_t words = 0;   ///< Size of the block or list; 0 for an inner node.
+  std::uint16_t levels = 0;  ///< 0 for a leaf; else 1 + the larger of the children's.
+  std::uint16_t leaves = 1;  ///< Leaves in the subtree, at most kManyLeaves.
   union {
     const Node* left = nullptr;
     const std::uint32_t* leaf_words;
   };
   const Node* right = nullptr;
 
-  /// Not counted further.
+  /// `leaves` is not counted beyond this number.
   static constexpr unsigned kManyLeaves = 1024;
   bool leaf() const { return words != 0; }
 };
@@ -33,11 +33,11 @@ struct Node {
 /// A page of memory for which address translation is cheap.
 inline constexpr std::size_t kHugePage = std::size_t{1} << 21;
 
-/// Memory in chunks, which grow with what there is: little of it is unused. Pointers stay valid as
-/// long as the object that owns the chunk. One thread at a time.
+/// Allocates memory in chunks whose size grows with what is allocated, so that little is unused.
+/// Pointers stay valid as long as the object that owns the chunk. Threads: one at a time.
 class Chunks {
  public:
-  /// `most`: bytes of a chunk, unless one piece needs more.
+  /// `most` is the largest size of a chunk in bytes, unless one piece needs more.
   explicit Chunks(std::size_t most) : most_(most) {}
   Chunks(Chunks&& other) noexcept : most_(other.most_) { append(std::move(other)); }
   Chunks& operator=(Chunks&& other) noexcept;
@@ -45,8 +45,8 @@ class Chunks {
   Chunks& operator=(const Chunks&) = delete;
   ~Chunks() { free_all(); }
 
-  /// Uninitialized, aligned to 16 bytes; kBlockSlack bytes behind them are readable. size > 0.
-  /// Throws std::bad_alloc.
+  /// Returns `size` uninitialized bytes, at least one, aligned to 16; kBlockSlack bytes behind them
+  /// are readable. Throws std::bad_alloc.
   void* take(std::size_t size) {
     size = (size + kAlignment - 1) / kAlignment * kAlignment;
     if (size > left_) add(size);
@@ -72,17 +72,17 @@ class Chunks {
 
   std::size_t most_;
   Chunk *first_ = nullptr, *last_ = nullptr;
-  std::byte* free_ = nullptr;  ///< In one of the chunks, with left_ bytes.
+  std::byte* free_ = nullptr;  ///< The next free byte of a chunk, which has left_ of them.
   std::size_t left_ = 0;
   std::size_t bytes_ = 0;
 };
 
-/// Allocates nodes and blocks. As Chunks, which it has two of: blocks may be kept when the nodes
-/// are compiled.
+/// Allocates nodes and blocks, each in chunks of their own, so that the blocks can be kept when the
+/// nodes are compiled. Threads: one at a time.
 class Arena {
  public:
   Node* node() { return new (nodes_.take(sizeof(Node))) Node; }
-  /// An inner node over two others.
+  /// Makes an inner node over two others.
   Node* join(const Node* left, const Node* right) {
     Node* const made = node();
     made->box = left->box;
@@ -94,7 +94,7 @@ class Arena {
     made->right = right;
     return made;
   }
-  /// For a block; count > 0.
+  /// Allocates the words of a block; count > 0.
   std::uint32_t* words(std::size_t count) {
     return static_cast<std::uint32_t*>(words_.take(count * sizeof(std::uint32_t)));
   }
@@ -104,7 +104,7 @@ class Arena {
     nodes_.append(std::move(other.nodes_));
     words_.append(std::move(other.words_));
   }
-  /// The memory of the blocks, which leaves the arena.
+  /// Hands over the memory of the blocks.
   Chunks take_words() { return std::move(words_); }
 
   std::size_t bytes() const { return nodes_.bytes() + words_.bytes(); }

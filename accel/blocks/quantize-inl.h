@@ -1,5 +1,5 @@
-// From the boxes of a small set to its records, in the order of each axis. Compiled once per SIMD
-// target.
+// Quantizes the boxes of a small set to records, and sorts them along each axis. Compiled once per
+// SIMD target.
 #if defined(SIGHTLINE_BLOCKS_QUANTIZE_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef SIGHTLINE_BLOCKS_QUANTIZE_INL
 #undef SIGHTLINE_BLOCKS_QUANTIZE_INL
@@ -22,15 +22,15 @@ HWY_BEFORE_NAMESPACE();
 namespace sightline::accel::blocks {
 namespace HWY_NAMESPACE {
 
-/// Maps boxes inside `all`, lanes of a box, to bytes. All axes have one scale, so that areas keep
-/// their proportion. Bounds are rounded to the nearest byte: they steer the search only.
+/// Maps boxes that lie in the box `all` to bytes. All axes have one scale, so that areas keep their
+/// proportion. Bounds are rounded to the nearest byte: they steer the search only.
 class Quantizer {
  public:
   explicit Quantizer(const BoxLanes& all) {
     constexpr float kMost = std::numeric_limits<float>::max();
     float extent = 0;
     for (std::size_t a = 0; a < 3; ++a) extent = std::max(extent, all.lanes[a] + all.lanes[a + 4]);
-    // What overflows saturates below.
+    // Products that overflow are saturated by record().
     const float scale = extent > 0 ? std::min(255.0f / std::min(extent, kMost), kMost) : 0.0f;
     BoxLanes zero{}, steps{};
     for (std::size_t a = 0; a < 3; ++a) {
@@ -43,7 +43,7 @@ class Quantizer {
     scale_ = Pack<8>::all(scale);
   }
 
-  /// The record without an index.
+  /// The record of a box, with index 0.
   HWY_INLINE std::uint64_t record(const BoxLanes& box) const {
     namespace hn = hwy::HWY_NAMESPACE;
     using P = Pack<8>;
@@ -51,7 +51,7 @@ class Quantizer {
     const P lanes = P::load(box.lanes) - zero_;
     std::uint8_t to[8];
     for (std::size_t i = 0; i < P::kParts; ++i) {
-      // Not fused, so that every target gets the same tree.
+      // Multiplication and addition are not fused, so that every target gets the same tree.
       const auto x = hn::Add(hn::Mul(lanes.part[i], scale_.part[i]), steps_.part[i]);
       hn::StoreU(hn::DemoteTo(bytes, hn::NearestInt(x)), bytes, to + i * P::kLanes);
     }
@@ -68,7 +68,8 @@ class Quantizer {
   Pack<8> zero_, scale_, steps_;
 };
 
-/// Writes how many of the keys are less than each; keys differ. Reads and writes whole vectors.
+/// Writes the rank of each key, which is the number of lesser keys; keys differ. Reads and writes
+/// whole vectors.
 HWY_INLINE void count_ranks(const std::int16_t* keys, std::size_t count, std::int16_t* ranks) {
   namespace hn = hwy::HWY_NAMESPACE;
   const hn::CappedTag<std::int16_t, 32> d;
@@ -86,7 +87,7 @@ HWY_INLINE void count_ranks(const std::int16_t* keys, std::size_t count, std::in
   }
 }
 
-/// Writes records in the order of an axis.
+/// Writes records in their order along an axis.
 HWY_INLINE void sort_records(const std::uint64_t* records, std::size_t count, std::size_t axis,
                              std::uint64_t* order) {
   alignas(64) std::int16_t keys[kSweptSet], ranks[kSweptSet];

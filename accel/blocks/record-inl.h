@@ -86,7 +86,7 @@ HWY_INLINE std::uint64_t least_lane(Records keys) {
 
 #endif
 
-/// Half the surface area, of at most 3 * 255^2.
+/// Half the surface area, at most 3 * 255^2.
 HWY_INLINE Records area(Records r) {
   namespace hn = hwy::HWY_NAMESPACE;
   const Records byte = hn::Set(RecordTag(), 0xff);
@@ -95,7 +95,7 @@ HWY_INLINE Records area(Records r) {
   return hn::Add(multiply(x, hn::Add(y, z)), multiply(y, z));
 }
 
-/// Sorts along an axis: the center, then the index. Needs 16 bits.
+/// A key of 16 bits that sorts along an axis: by center, then by index.
 HWY_INLINE Records order_key(Records r, std::size_t axis) {
   namespace hn = hwy::HWY_NAMESPACE;
   const Records byte = hn::Set(RecordTag(), 0xff);
@@ -111,7 +111,7 @@ HWY_INLINE std::uint64_t order_key(std::uint64_t record, std::size_t axis) {
   return center << 7 | index_of(record);
 }
 
-/// What other lanes a step of a running union looks at.
+/// The lanes that a step of a running union reads, by lane.
 struct LaneTable {
   std::int64_t earlier[kRecordLanes], later[kRecordLanes];
 };
@@ -130,22 +130,22 @@ HWY_INLINE Records pick_lanes(Records r, const std::int64_t* lanes) {
   return hn::TableLookupLanes(r, hn::SetTableIndices(RecordTag(), lanes));
 }
 
-/// Lane i: the union of lanes 0 to i. A lane that has no earlier one unites lane 0 again, which
-/// changes nothing.
+/// Lane i of the result is the union of lanes 0 to i. A lane that has no earlier one unites with
+/// lane 0 again, which changes nothing.
 HWY_INLINE Records running_union(Records r) {
   if constexpr (kRecordLanes > 1) r = unite(r, pick_lanes(r, kLaneTable<1>.earlier));
   if constexpr (kRecordLanes > 2) r = unite(r, pick_lanes(r, kLaneTable<2>.earlier));
   if constexpr (kRecordLanes > 4) r = unite(r, pick_lanes(r, kLaneTable<4>.earlier));
   return r;
 }
-/// Lane i: the union of lanes i to the last.
+/// Lane i of the result is the union of lanes i to the last.
 HWY_INLINE Records running_union_down(Records r) {
   if constexpr (kRecordLanes > 1) r = unite(r, pick_lanes(r, kLaneTable<1>.later));
   if constexpr (kRecordLanes > 2) r = unite(r, pick_lanes(r, kLaneTable<2>.later));
   if constexpr (kRecordLanes > 4) r = unite(r, pick_lanes(r, kLaneTable<4>.later));
   return r;
 }
-/// Lane i: lane i + 1; the last one: of `behind`.
+/// Lane i of the result is lane i + 1 of `r`; the last one is that of `behind`.
 HWY_INLINE Records next_lanes(Records r, Records behind) {
   namespace hn = hwy::HWY_NAMESPACE;
   if constexpr (kRecordLanes == 1) return behind;
@@ -157,8 +157,9 @@ HWY_INLINE Records next_lanes(Records r, Records behind) {
 HWY_INLINE Records all_first(Records r) { return pick_lanes(r, kLaneTable<kRecordLanes>.earlier); }
 HWY_INLINE Records all_last(Records r) { return pick_lanes(r, kLaneTable<kRecordLanes>.later); }
 
-/// For every set of lanes, a bit each: the numbers of its lanes, four bits each from the lowest on,
-/// and then 0. Not hn::Compress, whose table g++ copies to the stack at every call.
+/// For every set of lanes, a bit each, the numbers of its lanes in four bits each, from the lowest
+/// on, and then zeros. hn::Compress is not used, as g++ copies its table to the stack at every
+/// call.
 inline constexpr auto kLaneSets = [] {
   std::array<std::uint64_t, std::size_t{1} << kRecordLanes> sets{};
   for (std::size_t set = 0; set < sets.size(); ++set) {

@@ -38,7 +38,8 @@ HWY_INLINE void find_first(const std::uint32_t* numbers, std::size_t count, std:
   }
 }
 
-/// False if the triangles `ids`, 1 to kBlockTriangles, have more than kBlockVertices vertices.
+/// Finds the distinct vertices of the triangles `ids`, 1 to kBlockTriangles. Returns false if there
+/// are more than kBlockVertices.
 HWY_INLINE bool share(const geometry::MeshView& mesh, const std::uint32_t* ids, std::size_t count,
                       SharedVertices& shared) {
   alignas(64) std::uint32_t corners[kMostCorners], first[kMostCorners], rank[kMostCorners];

@@ -22,21 +22,21 @@ HWY_BEFORE_NAMESPACE();
 namespace sightline::accel::blocks {
 namespace HWY_NAMESPACE {
 
-/// A split of a small set in two parts of an order.
+/// A split of a small set into two parts of an order.
 struct OrderSplit {
   std::size_t axis = 0;
-  std::size_t left = 0;  ///< How many go left, at least 1; less than the set has.
+  std::size_t left = 0;  ///< Number of records that go left: at least 1, not all.
   float cost = 0;        ///< Sum over both sides of area * groups of four, in quantized units.
-  float area = 0;        ///< Of the whole set.
-  unsigned extent = 0;   ///< The largest of the whole set, of 255.
+  float area = 0;        ///< Half the surface area of the whole set.
+  unsigned extent = 0;   ///< The largest extent of the whole set, 0 to 255.
 };
 
-/// A key is a cost, an axis, and a distance from the middle, so that the least key is the cheapest
-/// split and of equals the most balanced.
+/// A key is a cost, an axis, and a distance from the middle. The least key is the cheapest split;
+/// ties go to the first axis, then to the most balanced split.
 inline constexpr int kAxisShift = 7, kCostShift = 9;
 
-/// A set of records, sorted along each axis, and where the parts of an order can be written. What
-/// is behind the set in any of the lists may be overwritten.
+/// A set of records, sorted along each axis (`own`), and buffers to which an order can be
+/// partitioned (`other`). What is behind the set in any list may be overwritten.
 struct Orders {
   std::uint64_t* own[3];
   std::uint64_t* other[3];
@@ -75,7 +75,7 @@ HWY_INLINE Records sweep_up(const std::uint64_t* order, std::size_t count, std::
   return before;
 }
 
-/// The least key of the splits along an order. `costs`: of the left sides.
+/// Returns the least key of the splits along an order. `costs` are the costs of the left sides.
 HWY_INLINE Records sweep_down(const std::uint64_t* order, std::size_t count, std::size_t axis,
                               const std::uint64_t* costs) {
   namespace hn = hwy::HWY_NAMESPACE;
@@ -94,7 +94,7 @@ HWY_INLINE Records sweep_down(const std::uint64_t* order, std::size_t count, std
     const Records left = hn::Add(hn::Iota(d, 1), hn::Set(d, i));
     const Records groups = hn::ShiftRight<2>(hn::Sub(hn::Set(d, count + 3), left));
     const Records cost = hn::Add(multiply(area(right), groups), hn::Load(d, costs + i));
-    // Twice the distance to the middle; on the left of it, its complement.
+    // The distance x from the middle in zigzag code: 2 x, or -2 x - 1 on the left of it.
     const auto off = hn::Sub(hn::BitCast(s, left), middle);
     const auto distance = hn::Xor(hn::Add(off, off), hn::BroadcastSignBit(off));
     const Records key =
@@ -105,7 +105,7 @@ HWY_INLINE Records sweep_down(const std::uint64_t* order, std::size_t count, std
   return best;
 }
 
-/// The cheapest split of `count` records, 2 to kSweptSet.
+/// Returns the cheapest split of `count` records, 2 to kSweptSet.
 HWY_INLINE OrderSplit sweep(const Orders& orders, std::size_t count) {
   namespace hn = hwy::HWY_NAMESPACE;
   const RecordTag d;
@@ -127,8 +127,8 @@ HWY_INLINE OrderSplit sweep(const Orders& orders, std::size_t count) {
   return split;
 }
 
-/// Writes the parts of an order one behind the other, each stably: first the records up to a key on
-/// an axis, `left` records, then the others.
+/// Partitions an order stably: first come the `left` records whose key on the axis is at most
+/// `pivot`, then the others.
 HWY_INLINE void partition(const std::uint64_t* order, std::size_t count, std::size_t axis,
                           std::uint64_t pivot, std::size_t left, std::uint64_t* to) {
   namespace hn = hwy::HWY_NAMESPACE;
@@ -141,8 +141,9 @@ HWY_INLINE void partition(const std::uint64_t* order, std::size_t count, std::si
     return std::size_t{bits[0]};
   };
   constexpr std::size_t kAll = (std::size_t{1} << kRecordLanes) - 1;
-  // Lanes behind the end go to either part, behind its last record. What the left part writes too
-  // much, the right part overwrites: no vector is read again while it waits to be stored.
+  // Every store writes a whole vector. Lanes beyond `count` may go to either part, but come behind
+  // its last record, and the right part overwrites what the left part writes behind its end.
+  // Nothing is loaded from `to`, so no load waits for a store.
   for (std::size_t i = 0, at = 0; i < count; i += kRecordLanes) {
     const Records r = hn::LoadU(d, order + i);
     const std::size_t lanes = right_lanes(r) ^ kAll;

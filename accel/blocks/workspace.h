@@ -1,4 +1,4 @@
-// What a build of blocks works on, kept for the next one.
+// The buffers of a build of blocks, kept for the next one.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ struct alignas(32) BoxLanes {
 };
 
 struct Workspace {
-  std::vector<BoxLanes> boxes;  ///< Of the references, clipped.
+  std::vector<BoxLanes> boxes;  ///< The boxes of the references, clipped.
   std::vector<std::uint32_t> ids;
   /// Positions of references; a set is a consecutive part of them.
   std::vector<std::uint32_t> indices, moved;

@@ -61,7 +61,7 @@ inline float round_down(double x) {
 }
 inline float round_up(double x) { return -round_down(-x) + 0.0f; }
 
-/// The upper bound that widen_flat gives a box flat at x. Finite x, not denormal.
+/// The upper bound that widen_flat gives a box flat at x, which is finite and not denormal.
 inline float least_above(float x) {
   constexpr float kTiny = std::numeric_limits<float>::min();
   const auto bits = std::bit_cast<std::uint32_t>(x + 0.0f);  // + 0: no negative zero
@@ -71,7 +71,8 @@ inline float least_above(float x) {
   return std::fabs(next) < kTiny ? above : std::max(next, above);
 }
 
-/// The same box with a positive, normal extent on every axis and no denormal bound, never smaller.
+/// Returns the box with a positive, normal extent on every axis and no denormal bound, never
+/// smaller.
 ///
 /// This makes strict comparison with a plane a safe rule of membership (docs/decisions/0001): a
 /// flat box would lie on neither side of a plane through it, but a box widened by one float lies on
@@ -83,7 +84,7 @@ inline Aabb widen_flat(Aabb b) {
   for (std::size_t a = 0; a < 3; ++a) {
     float& lo = b.lo[a];
     float& hi = b.hi[a];
-    // Compares bits: a float comparison does not see denormals where they count as zero.
+    // Bits are compared, as a float comparison does not see denormals where they count as zero.
     const auto zero = [](float x) { return std::bit_cast<std::uint32_t>(x) << 1 == 0; };
     const bool flat = lo == hi && ((zero(lo) && zero(hi)) || std::fabs(lo) >= kTiny);
     if (lo > -kTiny && lo < kTiny) lo = std::signbit(lo) && !zero(lo) ? -kTiny : 0.0f;
@@ -94,7 +95,7 @@ inline Aabb widen_flat(Aabb b) {
   return b;
 }
 
-/// Holds every box that lies in `b`, widened by widen_flat.
+/// Returns a box that holds every box in `b` after widen_flat.
 inline Aabb padded(Aabb b) {
   if (b.empty()) return b;
   const Aabb lo = widen_flat({b.lo, b.lo}), hi = widen_flat({b.hi, b.hi});

@@ -8,7 +8,7 @@
 namespace sightline::accel::geometry {
 namespace {
 
-/// Not initialised, unlike Vec3d: clearing two polygons would take a tenth of the time.
+/// A corner is not initialised, unlike Vec3d: clearing two polygons would take a tenth of the time.
 using Corner = std::array<double, 3>;
 
 /// A triangle has three corners, and each of six cuts adds at most one.

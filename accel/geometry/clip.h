@@ -7,9 +7,9 @@
 
 namespace sightline::accel::geometry {
 
-/// Bounds of the part of a triangle that lies in the closed cell. Never too small; rounding and
-/// widen_flat make it a few floats too large. Nothing if triangle and cell do not meet. The result
-/// went through widen_flat. Vertices must be finite.
+/// Bounds of the part of a triangle that lies in the closed cell; nothing if they do not meet. The
+/// result is never too small; rounding and widen_flat, through which it went, make it a few floats
+/// too large. Vertices must be finite.
 std::optional<Aabb> clipped_bounds(const Vec3f& a, const Vec3f& b, const Vec3f& c,
                                    const Aabb& cell);
 

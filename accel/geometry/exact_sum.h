@@ -2,8 +2,9 @@
 // first, whose unevaluated sum is the value. Source: Shewchuk 1997, "Adaptive Precision
 // Floating-Point Arithmetic and Fast Robust Geometric Predicates", sections 2.3 to 2.7.
 //
-// Exact unless a value overflows or falls below the smallest normal double; LocalRay keeps its
-// numbers in a range where neither can happen. Rarely used, so written for clarity, not speed.
+// Results are exact unless a value overflows or falls below the smallest normal double; LocalRay
+// keeps its numbers in a range where neither can happen. The code is rarely used, so it is written
+// for clarity, not speed.
 #pragma once
 
 #include <array>
@@ -13,7 +14,7 @@
 
 namespace sightline::accel::geometry {
 
-/// At most kCapacity terms; the largest value built here is the numerator of t with 3 * 64 terms.
+/// A sum has at most kCapacity terms. The largest value built here, the numerator of t, has 3 * 64.
 class ExactSum {
  public:
   static constexpr std::size_t kCapacity = 320;

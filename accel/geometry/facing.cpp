@@ -26,7 +26,7 @@ int facing(const LocalRay& ray, const Vec3f& af, const Vec3f& bf, const Vec3f& c
   const Vec3d a(af), b(bf), c(cf);
   const Vec3d e1 = b - a, e2 = c - a;
   const double along = dot(cross(e1, e2), ray.direction);
-  // As in the hit rule: six terms, each at most |d| |e1| |e2|.
+  // The bound is that of the hit rule: there are six terms, each at most |d| |e1| |e2|.
   const double bound = kSignError * max_norm(e1) * max_norm(e2);
   if (along > bound) return 1;
   if (along < -bound) return -1;

@@ -14,16 +14,16 @@ namespace sightline::accel::geometry {
 /// Room for a T of each ray, in memory that the column does not own. Any alignment.
 template <class T>
 struct FieldColumn {
-  void* data = nullptr;            ///< Of the first ray; null: the field is not asked for.
-  std::size_t stride = sizeof(T);  ///< From ray to ray, in bytes.
+  void* data = nullptr;            ///< The field of the first ray; null if not asked for.
+  std::size_t stride = sizeof(T);  ///< Bytes from ray to ray.
 
   bool is_asked() const { return data != nullptr; }
   std::byte* at(std::size_t ray) const { return static_cast<std::byte*>(data) + ray * stride; }
-  /// For fields that are asked for.
+  /// Sets the field of one ray. The field must be asked for.
   void set(std::size_t ray, const T& value) const { std::memcpy(at(ray), &value, sizeof(T)); }
 };
 
-/// The fields of hits, as struct Hit describes them, each for itself.
+/// The fields of hits (struct Hit), a column each.
 struct HitColumns {
   std::size_t size = 0;  ///< The number of rays.
   FieldColumn<double> t;
@@ -33,7 +33,7 @@ struct HitColumns {
   FieldColumn<Vec3f> normal;
   FieldColumn<std::uint32_t> work;
   FieldColumn<HitState> state;
-  /// Bit i % 8 of byte i / 8 is set where ray i hits; those beyond the last ray are not. Null: not
+  /// Bit i % 8 of byte i / 8 is set where ray i hits; bits beyond the last ray are 0. Null if not
   /// asked for.
   std::uint8_t* bits = nullptr;
 

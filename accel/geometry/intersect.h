@@ -13,11 +13,11 @@ namespace sightline::accel::geometry {
 /// Returns t of the hit in local units (see LocalRay), or nothing. t may be negative: the caller
 /// applies limits.
 ///
-/// A hit is decided by the exact signs of det[d, a - o, b - o] over the three edges: all the same
-/// is a hit. A zero is resolved as if the origin were moved by (e, e^2, e^3) for an infinitely
-/// small e > 0, so an edge in the interior of a surface has one owner and a silhouette edge none or
-/// two. A triangle seen edge-on, or without area, is never hit. t is off by at most kHitError times
-/// the largest |v - o| of its vertices (maximum norm). Vertices must be finite.
+/// A hit is decided by the exact signs of det[d, a - o, b - o] over the three edges: if all are the
+/// same, it is a hit. A zero is resolved as if the origin were moved by (e, e^2, e^3) for an
+/// infinitely small e > 0, so an edge in the interior of a surface has one owner and a silhouette
+/// edge none or two. A triangle seen edge-on, or without area, is never hit. t is off by at most
+/// kHitError times the largest |v - o| of its vertices (maximum norm). Vertices must be finite.
 inline std::optional<double> intersect(const LocalRay& ray, const Vec3f& a, const Vec3f& b,
                                        const Vec3f& c);
 

@@ -56,7 +56,7 @@ inline bool set_local_ray(const Vec3d& origin, const Vec3d& direction, LocalRay&
   return true;
 }
 
-/// As set_local_ray; nothing where that returns false.
+/// Returns the ray that set_local_ray() sets, or nothing where that returns false.
 inline std::optional<LocalRay> make_local_ray(const Vec3d& origin, const Vec3d& direction) {
   std::optional<LocalRay> ray(std::in_place);
   if (!set_local_ray(origin, direction, *ray)) ray.reset();

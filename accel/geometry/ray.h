@@ -24,15 +24,17 @@ struct Ray {
 /// 3 is a mark of lists on the wire.
 enum class HitState : std::uint8_t { kMiss = 0, kHit = 1, kInvalid = 2, kUnanswered = 4 };
 
-/// The answer to one ray. A miss: t = +inf, node = 0. An invalid ray (NaN, infinite or zero
-/// direction, ...): t = NaN, node = 0. A ray for which there was no time: t = -inf, node = 0.
+/// The answer to one ray. A miss has t = +inf and node = 0; an invalid ray (NaN, infinite or zero
+/// direction, ...) has t = NaN and node = 0; a ray for which there was no time has t = -inf and
+/// node = 0.
 struct Hit {
-  double t = kInfinity;         ///< In units of the ray direction's length.
+  double t = kInfinity;         ///< The distance in units of the direction's length.
   std::uint64_t node = 0;       ///< Node id in the scene; never 0 for a hit.
   std::uint32_t primitive = 0;  ///< Face index in the node's mesh.
   float u = 0;                  ///< Weight of the face's vertex 1.
   float v = 0;                  ///< Weight of the face's vertex 2.
-  Vec3f normal;  ///< Geometric, unit, by the winding in the mesh's frame, in scene coordinates.
+  /// The geometric normal of length 1 in scene coordinates, by the winding in the mesh's frame.
+  Vec3f normal;
   std::uint32_t work =
       0;  ///< Traversal steps plus triangle tests spent on this ray; see kWorkDeferred.
   HitState state = HitState::kMiss;

@@ -13,9 +13,9 @@ namespace sightline::accel::geometry {
 
 /// A number of each ray, in memory that the column does not own. Any alignment.
 struct RealColumn {
-  const void* data = nullptr;  ///< Of the first ray.
-  std::size_t stride = 0;      ///< From ray to ray, in elements; 0: one number for all rays.
-  bool float64 = true;         ///< The elements are doubles, else floats.
+  const void* data = nullptr;  ///< The number of the first ray.
+  std::size_t stride = 0;      ///< Elements from ray to ray; 0: one number for all rays.
+  bool float64 = true;         ///< Whether the elements are doubles, else floats.
 
   std::size_t element() const { return float64 ? sizeof(double) : sizeof(float); }
   const std::byte* at(std::size_t ray) const {
@@ -33,10 +33,10 @@ struct RealColumn {
   }
 };
 
-/// A mask of each ray, as RealColumn.
+/// A mask of each ray, in memory that the column does not own. Any alignment.
 struct MaskColumn {
   const void* data = &kAllMasks;
-  std::size_t stride = 0;  ///< In masks.
+  std::size_t stride = 0;  ///< Masks from ray to ray; 0: one mask for all rays.
 
   std::uint32_t operator[](std::size_t ray) const {
     std::uint32_t mask;
@@ -46,7 +46,7 @@ struct MaskColumn {
   }
 };
 
-/// The number, which must outlive the column, for all rays.
+/// A column with one number for all rays. The number must outlive it.
 inline RealColumn for_all(const double& number) { return {&number, 0, true}; }
 
 /// Columns x, y, z of rows of three elements.
@@ -59,7 +59,7 @@ inline std::array<RealColumn, 3> columns_of_rows(const void* rows, bool float64)
   return columns;
 }
 
-inline constexpr double kFromOrigin = 0;  ///< tmin, if there is no other.
+inline constexpr double kFromOrigin = 0;  ///< The default tmin.
 
 /// A view of rays. Copies are cheap; the numbers must outlive them.
 struct RayColumns {

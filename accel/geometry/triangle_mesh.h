@@ -19,7 +19,7 @@ inline constexpr std::uint32_t kNoVertex = 0xffffffffu;
 struct MeshView {
   std::span<const Vec3f> vertices;
   std::span<const Face> faces;
-  /// Every face is a triangle with finite vertices. False: not known.
+  /// Whether every face is a triangle with finite vertices; false if that is not known.
   bool all_finite = false;
 };
 

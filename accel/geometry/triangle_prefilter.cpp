@@ -195,8 +195,8 @@ ShearedRay sheared(const LocalRay& ray) {
   }
   out.shear_x = static_cast<float>(d[x] / d[out.z]);
   out.shear_y = static_cast<float>(d[y] / d[out.z]);
-  // Twice the error: that of x, and that of the multiple of z subtracted from it. The last term
-  // rounds up.
+  // The bound is twice the error: that of x, and that of the multiple of z subtracted from it. The
+  // last term rounds up.
   constexpr float kTiny = 0x1p-100f;
   out.error = error < kMost / 3 ? static_cast<float>(2.001 * error) + kTiny
                                 : std::numeric_limits<float>::infinity();

@@ -13,7 +13,7 @@
 namespace sightline::accel::geometry {
 
 /// A ray, and the plane on which it projects to a point: x and y, sheared along z, the axis of the
-/// direction's largest component. After Woop, Benthin, Wald 2013, "Watertight Ray/Triangle
+/// direction's largest component. Source: Woop, Benthin, Wald 2013, "Watertight Ray/Triangle
 /// Intersection"; they decide hits in floats, here floats only reject.
 struct ShearedRay {
   std::size_t z = 2;               ///< Which axis z is; x and y are the next two, cyclically.

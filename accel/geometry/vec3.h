@@ -10,8 +10,8 @@ template <class T>
 struct Vec3 {
   T x{}, y{}, z{};
 
-  // One indexed load. Choosing between three members would cost two conditional moves in every
-  // inner loop.
+  // This is one indexed load. Choosing between three members would cost two conditional moves in
+  // every inner loop.
   T& operator[](std::size_t axis) { return reinterpret_cast<T*>(this)[axis]; }
   const T& operator[](std::size_t axis) const { return reinterpret_cast<const T*>(this)[axis]; }
   constexpr bool operator==(const Vec3&) const = default;

@@ -15,7 +15,7 @@ namespace sightline::accel::geometry {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// As many vertices as D has lanes. kZ: ShearedRay::z.
+/// Finds the sides of as many vertices at once as D has lanes. kZ: ShearedRay::z.
 template <std::size_t kZ, class D>
 class Sides {
  public:

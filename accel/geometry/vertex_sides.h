@@ -1,5 +1,5 @@
 // Which vertices lie on one side of a ray, as seen along it: a triangle whose corners all do is
-// missed. For searching whole meshes, as a vertex is read once for all its triangles.
+// missed. This serves searches of whole meshes, as a vertex is read once for all its triangles.
 #pragma once
 
 #include <cstdint>

@@ -18,6 +18,11 @@ geometry::Aabb common(geometry::Aabb a, const geometry::Aabb& b) {
   return a;
 }
 
+std::size_t bytes_of_words(const blocks::Node& node) {
+  return node.leaf() ? node.words * sizeof(std::uint32_t)
+                     : bytes_of_words(*node.left) + bytes_of_words(*node.right);
+}
+
 }  // namespace
 
 Subtrees::Subtrees(const GrowContext& context) : context_(context), held_(context.tree) {
@@ -89,27 +94,27 @@ geometry::Aabb Subtrees::box_of(const blocks::Node& node) const {
 }
 
 kdtree::Slot Subtrees::slot_of(const Grown& grown) {
+  // Copies of smaller hierarchies take no space that is not used.
+  constexpr std::size_t kLarge = std::size_t{1} << 14;
   if (grown.node == nullptr) return grown.slot;
-  auto tree = builder_ ? std::make_unique<wide::WideTree>(*grown.node, context_.frame.center)
-                       : std::make_unique<wide::WideTree>(*grown.node, geometry::Vec3f{},
-                                                          wide::LeafKind::kLists);
+  const std::size_t bytes = arena_.bytes_of_words();
+  std::unique_ptr<wide::WideTree> tree;
+  if (!builder_) {
+    tree = std::make_unique<wide::WideTree>(*grown.node, geometry::Vec3f{}, wide::LeafKind::kLists);
+  } else if (gave_words_ || bytes < kLarge || 2 * bytes_of_words(*grown.node) < bytes) {
+    tree = std::make_unique<wide::WideTree>(*grown.node, context_.frame.center);
+  } else {
+    gave_words_ = true;
+    tree =
+        std::make_unique<wide::WideTree>(*grown.node, context_.frame.center, arena_.take_words());
+    held_.shrink(held_.bytes() - std::min<std::uint64_t>(bytes, held_.bytes()));
+  }
   return context_.tree.finish(std::move(tree));
 }
 
 kdtree::Slot Subtrees::compile(const Grown& all) {
-  // Copies of smaller hierarchies take no space that is not used.
-  constexpr std::size_t kLarge = std::size_t{1} << 14;
   if (all.is_empty()) return kdtree::Slot::empty_list();
-  kdtree::Slot slot;
-  if (all.node == nullptr || !builder_ || arena_.bytes_of_words() < kLarge) {
-    slot = slot_of(all);
-  } else {
-    const std::size_t kept = arena_.bytes_of_words();
-    auto tree =
-        std::make_unique<wide::WideTree>(*all.node, context_.frame.center, arena_.take_words());
-    held_.shrink(held_.bytes() - std::min<std::uint64_t>(kept, held_.bytes()));
-    slot = context_.tree.finish(std::move(tree));
-  }
+  const kdtree::Slot slot = slot_of(all);
   owned_.clear();
   return slot;
 }
@@ -117,6 +122,7 @@ kdtree::Slot Subtrees::compile(const Grown& all) {
 void Subtrees::take_over(Subtrees& other) {
   owned_.insert(owned_.end(), other.owned_.begin(), other.owned_.end());
   other.owned_.clear();
+  gave_words_ |= other.gave_words_;
   arena_.append(std::move(other.arena_));
   other.held_.shrink(0);
   held_.reach(arena_.bytes());

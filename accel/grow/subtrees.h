@@ -45,8 +45,8 @@ class Subtrees {
   /// would be too deep, each becomes a slot below a node of the tree. Throws std::bad_alloc.
   Grown join(const Grown& left, const Grown& right);
 
-  /// Compiles all that was finished to wide nodes. A large hierarchy keeps its blocks where they
-  /// are. Throws std::bad_alloc.
+  /// Compiles all that was finished to wide nodes. A hierarchy that has most of many blocks keeps
+  /// them where they are. Throws std::bad_alloc.
   kdtree::Slot compile(const Grown& all);
 
   /// Takes over what another task has finished.
@@ -61,6 +61,7 @@ class Subtrees {
   const GrowContext& context_;
   std::optional<blocks::BlockBuilder> builder_;  ///< Of trees over faces.
   blocks::Arena arena_;
+  bool gave_words_ = false;  ///< Blocks of hierarchies that remain may belong to a subtree.
   GrowingBytes held_;
   std::vector<kdtree::Slot> owned_;  ///< What no slot leads to yet; it goes if this throws.
 };

@@ -36,7 +36,7 @@ HWY_INLINE hn::Vec<D> load_corners(D d, const Reference* refs) {
   }
 }
 
-/// A few boxes at a time, each in a block of four lanes.
+/// Tests a few boxes at a time, each in a block of four lanes.
 ///
 /// The error bound, with u = 2^-24: a plane's t is off by three roundings of itself, and by what
 /// FilterRay::near and far hold for the rounded origin. Widening rounds t twice more. 8 u is above
@@ -124,7 +124,8 @@ float round_up(double x) {
 }  // namespace
 
 FilterRay filter_ray(const TreeRay& ray) {
-  // A ray that is steeper against an axis is turned by this much. Then its planes have a finite t.
+  // A ray that is steeper against an axis than this is turned to it, so that its planes have a
+  // finite t.
   constexpr double kSteepest = 0x1p+60;
   const double farthest = std::max(std::fabs(ray.t_in), std::fabs(ray.t_out));
   FilterRay out;

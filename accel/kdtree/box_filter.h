@@ -1,5 +1,5 @@
 // Tests many boxes against one ray in floats, and rejects those that the ray certainly does not
-// meet. For searching the lists of deferred cells.
+// meet. This serves searches of the lists of deferred cells.
 #pragma once
 
 #include <array>
@@ -12,11 +12,12 @@
 
 namespace sightline::accel::kdtree {
 
-/// A ray as boxes are tested against it. x, y and z; the fourth lane holds the ray's interval.
+/// A ray in the form in which boxes are tested against it, in lanes x, y and z; the fourth lane
+/// holds the ray's interval.
 struct FilterRay {
   alignas(16) std::array<float, 4> origin{}, inverse{};
-  /// What widens the intervals of t between the planes of a box: near ones begin earlier, far ones
-  /// end later. In the fourth lane, minus the t where the ray begins, and the t where it ends.
+  /// Margins of the interval of t between the planes of a box: `near` begins it earlier, `far` ends
+  /// it later. The fourth lanes hold minus the t where the ray begins, and the t where it ends.
   alignas(16) std::array<float, 4> near{}, far{};
 };
 FilterRay filter_ray(const TreeRay& ray);

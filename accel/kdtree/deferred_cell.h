@@ -18,12 +18,13 @@ namespace sightline::accel::kdtree {
 /// The bytes of a tree's cells, lists and finished subtrees. Cells share it with their tree,
 /// because retired ones may outlive it.
 struct ListBytes {
-  std::atomic<std::uint64_t> deferred{0};   ///< Deferred cells with their lists.
-  std::atomic<std::uint64_t> left_over{0};  ///< Of those, DeferredCell::left_over.
-  std::atomic<std::uint64_t> retired{0};    ///< Retired cells that are not freed yet.
-  std::atomic<std::uint64_t> growing{0};    ///< Lists of the subtrees that are built at once.
-  std::atomic<std::uint64_t> finished{0};   ///< Finished subtrees.
-  /// What the tree adds its bytes to; null: nothing.
+  std::atomic<std::uint64_t> deferred{0};  ///< Deferred cells with their lists.
+  /// The part of `deferred` that is DeferredCell::left_over.
+  std::atomic<std::uint64_t> left_over{0};
+  std::atomic<std::uint64_t> retired{0};   ///< Retired cells that are not freed yet.
+  std::atomic<std::uint64_t> growing{0};   ///< Lists and blocks of subtrees that are being built.
+  std::atomic<std::uint64_t> finished{0};  ///< Finished subtrees.
+  /// Counts these bytes with those of other trees; null if they are not counted there.
   std::shared_ptr<TreeMemory> memory{};
 
   void add(TreeBytes kind, std::uint64_t bytes) const {
@@ -35,7 +36,8 @@ struct ListBytes {
   void free_retired(std::uint64_t bytes) const { add(TreeBytes::kRetired, 0 - bytes); }
 };
 
-/// Immutable except for the atomics, until it is retired. Readers are pinned to an epoch.
+/// A cell that is not built. Immutable except for the atomics, until it is retired. Readers are
+/// pinned to an epoch.
 struct alignas(16) DeferredCell : Retirable {
   DeferredCell() = default;
   DeferredCell(const DeferredCell&) = delete;
@@ -49,23 +51,25 @@ struct alignas(16) DeferredCell : Retirable {
   /// Whether `list` is made. The root's list is made from the geometry when the root is expanded;
   /// until then readers search all of the geometry.
   bool has_list = true;
-  /// Some references of the list may be openable.
+  /// Whether references of the list may be openable.
   bool openable = false;
-  bool left_over = false;  ///< By a subtree that was being built at once and was cancelled.
-  bool whole = false;      ///< Its subtree is built at once: lists for later would take too much.
-  /// It was built, and had to go (lazy/eviction.h): rays pay for building it again first.
+  bool left_over = false;  ///< Whether a cancelled build of a subtree left the cell.
+  /// Whether its subtree is built at once, as the lists of its cells would take too much memory.
+  bool whole = false;
+  /// Whether it was built and then evicted (lazy/eviction.h): rays pay for building it again first.
   bool evicted = false;
   CellList list;
   std::size_t size = 0;      ///< References in the cell, also if the list is not made.
-  std::uint64_t weight = 0;  ///< Sum over all references.
+  std::uint64_t weight = 0;  ///< Sum of the weights of all references.
   ChildScan first;  ///< Counts of the first pass, if they were made when the list was written.
-  /// What rays have spent on searching the list, or will before they go on: references read.
+  /// The number of references that rays have read in searches of the list, or will before they go
+  /// on.
   mutable std::atomic<std::uint64_t> spent{0};
-  LastUse last_use;  ///< By rays that searched the list.
+  LastUse last_use;  ///< The last search of the list.
   /// Set once a thread has begun to expand a large cell: the work that threads share
   /// (accel/lazy/cell_task.h).
   std::atomic<RefCounted*> task{nullptr};
-  std::shared_ptr<ListBytes> account;  ///< Of its tree.
+  std::shared_ptr<ListBytes> account;  ///< The bytes of its tree.
 
   std::uint64_t size_in_bytes() const { return sizeof(DeferredCell) + list.bytes(); }
 };

@@ -16,7 +16,7 @@ constexpr std::uint64_t kReclaimBytes = std::uint64_t{1} << 20;
 /// that ended.
 struct alignas(64) ThreadSlot {
   std::atomic<std::uint64_t> epoch{kIdle};
-  /// When the walk began that the thread is in: at `epoch` or before.
+  /// The epoch in which the thread's walk began: `epoch` or before.
   std::atomic<std::uint64_t> walk{kIdle};
   std::atomic<bool> taken{true};
   ThreadSlot* next = nullptr;
@@ -26,7 +26,7 @@ struct Domain {
   std::atomic<std::uint64_t> epoch{1};
   std::atomic<ThreadSlot*> slots{nullptr};
   std::atomic<Retirable*> waiting{nullptr};
-  std::atomic<std::uint64_t> objects{0}, bytes{0};  // waiting
+  std::atomic<std::uint64_t> objects{0}, bytes{0};  // retired and not freed
   // Thresholds from which the next retire() tries to free.
   std::atomic<std::uint64_t> due_objects{kReclaimObjects}, due_bytes{kReclaimBytes};
   std::atomic_flag reclaiming = ATOMIC_FLAG_INIT;
@@ -53,8 +53,8 @@ ThreadSlot* claim_slot() {
 struct ThisThread {
   ThreadSlot* slot = claim_slot();
   int depth = 0;
-  bool due = false;         ///< To free when the pin is left.
-  std::uint64_t bytes = 0;  ///< Retired since this thread tried to free.
+  bool due = false;         ///< Whether to free when the pin is left.
+  std::uint64_t bytes = 0;  ///< Bytes retired since this thread last tried to free.
   ~ThisThread() { slot->taken.store(false, std::memory_order_release); }
 };
 
@@ -69,7 +69,7 @@ void push(Domain& d, Retirable* first, Retirable* last) {
   }
 }
 
-/// The oldest epochs that a thread is pinned to, and that a walk began in.
+/// The oldest epoch that a thread is pinned to, and the oldest in which a walk began.
 struct Oldest {
   std::uint64_t pin = std::numeric_limits<std::uint64_t>::max();
   std::uint64_t walk = std::numeric_limits<std::uint64_t>::max();
@@ -80,7 +80,7 @@ Oldest oldest_epochs(Domain& d) {
   d.epoch.fetch_add(1, std::memory_order_seq_cst);
   Oldest oldest;
   for (ThreadSlot* p = d.slots.load(std::memory_order_acquire); p != nullptr; p = p->next) {
-    // A pin that is seen was published after its walk.
+    // A pin is published after its walk, so the walk of a pin that is seen is seen, too.
     const std::uint64_t pin = p->epoch.load(std::memory_order_seq_cst);
     const std::uint64_t walk = p->walk.load(std::memory_order_seq_cst);
     if (pin != kIdle) oldest.pin = std::min(oldest.pin, pin);
@@ -125,7 +125,7 @@ void try_to_free(Domain& d) {
   d.reclaiming.clear(std::memory_order_release);
 }
 
-/// Pins the thread; a walk that it is in goes on.
+/// Pins the thread, and begins a walk if it is in none.
 void pin(ThisThread& t) {
   const Domain& d = domain();
   // The epoch is read again after the pin is published. A thread that frees without seeing this pin

@@ -1,4 +1,4 @@
-// A subtree that is finished.
+// A subtree that is built down to its leaves.
 #pragma once
 
 #include <cstdint>
@@ -15,11 +15,11 @@ struct TreeMetrics;
 struct GrowthMetrics;
 struct ListBytes;
 
-/// Belongs to the tree whose slot leads to it (KdTree::finish). Never changes but for its last use.
-/// Threads: any.
+/// A finished subtree belongs to the tree whose slot leads to it (KdTree::finish). It never changes
+/// except for its last use. Threads: any.
 class alignas(64) FinishedSubtree : public Retirable {
  public:
-  /// By rays that entered it. With the root in the first cache line.
+  /// The last use by a ray that entered it. It shares the first cache line with the root.
   LastUse last_use;
 
  protected:
@@ -31,25 +31,25 @@ class alignas(64) FinishedSubtree : public Retirable {
   FinishedSubtree(const FinishedSubtree&) = delete;
   FinishedSubtree& operator=(const FinishedSubtree&) = delete;
 
-  /// A node, a block or a list.
+  /// The root of the subtree: a node, a block or a list.
   Slot root() const { return root_; }
-  /// As root(), for a ray that comes from the slot.
+  /// Returns the root to a ray that comes from the slot, and counts as a use.
   Slot enter() const {
     last_use.use();
     return root_;
   }
 
-  /// All memory that it takes.
+  /// All memory that the subtree takes, in bytes.
   virtual std::uint64_t size_in_bytes() const = 0;
 
   /// The ids of its references; some several times. Throws std::bad_alloc.
   virtual std::vector<std::uint32_t> ids() const = 0;
 
-  /// Of its tree.
+  /// The bytes of its tree.
   std::shared_ptr<ListBytes> account;
 
-  /// Adds its nodes and leaves. `root_area`: half the area of the tree's bounds; `depth`: of its
-  /// slot.
+  /// Adds its nodes and leaves. `root_area`: half the area of the tree's bounds; `depth`: that of
+  /// its slot.
   virtual void measure(double root_area, int depth, TreeMetrics& metrics) const = 0;
 
   /// Adds its nodes and leaves, and sets `seen` for its references.

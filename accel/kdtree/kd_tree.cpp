@@ -9,7 +9,7 @@
 namespace sightline::accel::kdtree {
 namespace {
 
-/// A share of a tree's bytes that does not matter.
+/// Retired bytes that may wait for each reference: a small share of a tree's bytes.
 constexpr std::uint64_t kRetiredBytesPerReference = 8;
 
 void delete_cell(Retirable* retired) {
@@ -25,7 +25,7 @@ void delete_subtree(Retirable* retired) {
   delete subtree;
 }
 
-/// That a cell waits, or no longer waits.
+/// Counts a cell that begins to wait, or no longer waits.
 void count_waiting(const DeferredCell& cell, ListBytes& lists, bool waits) {
   const std::uint64_t bytes = waits ? cell.size_in_bytes() : -cell.size_in_bytes();  // wraps
   lists.deferred.fetch_add(bytes, std::memory_order_relaxed);
@@ -93,7 +93,7 @@ void KdTree::retire_subtree(const FinishedSubtree& subtree) {
   const std::uint64_t bytes = subtree.size_in_bytes();
   lists_->finished.fetch_sub(bytes, std::memory_order_relaxed);
   lists_->retire(TreeBytes::kSubtrees, bytes);
-  // It belongs to this tree, which made it.
+  // The subtree belongs to this tree, which may change it.
   retire_for_walks(const_cast<FinishedSubtree&>(subtree), delete_subtree, bytes);
 }
 

@@ -17,12 +17,13 @@ namespace sightline::accel::kdtree {
 /// Largest depth of a cell in any tree.
 inline constexpr int kMaxTreeDepth = 80;
 
-/// Storage only. Threads: any thread that is pinned to an epoch may read slots and follow them at
-/// any time.
+/// Stores the nodes, cells and subtrees of a tree; it does not grow them. Threads: any thread that
+/// is pinned to an epoch may read slots and follow them at any time.
 class KdTree {
  public:
-  /// A tree of one deferred cell whose list is not made; of an empty list if there are no
-  /// references. `memory`: counts its bytes with those of other trees; null: they are not counted.
+  /// Makes a tree of one deferred cell whose list is not made, or of an empty list if there are no
+  /// references. `memory` counts its bytes with those of other trees; null if they are not counted
+  /// there.
   KdTree(const geometry::Aabb& bounds, std::size_t references, const CellPath& path = {},
          std::shared_ptr<TreeMemory> memory = nullptr);
   ~KdTree();
@@ -33,23 +34,26 @@ class KdTree {
   AtomicSlot& root() { return root_; }
   const AtomicSlot& root() const { return root_; }
 
-  /// A node without children, which belongs to the tree once a slot leads to it; until then
+  /// Makes a node without children. It belongs to the tree once a slot leads to it; until then
   /// discard() frees it. Throws std::bad_alloc. Threads: any.
   WideNode* make_node();
 
-  /// A deferred slot whose list is made; an empty list if there is nothing in it. Threads: any.
+  /// Returns the slot of a deferred cell whose list is made, or of an empty list if the cell has no
+  /// references. Threads: any.
   Slot defer(std::unique_ptr<DeferredCell> cell);
-  /// As above, for what a cancelled build leaves (DeferredCell::left_over).
+  /// Returns the slot of a cell that a cancelled build leaves (DeferredCell::left_over). Threads:
+  /// any.
   Slot leave_over(ReferenceList list, const geometry::Aabb& box, const CellPath& path);
 
-  /// The slot of a finished subtree, which belongs to the tree from now on. Threads: any.
+  /// Returns the slot of a finished subtree, which belongs to the tree from now on. Threads: any.
   Slot finish(std::unique_ptr<FinishedSubtree> subtree);
 
   /// Retires a deferred cell that no slot refers to any more. Threads: any.
   void retire_cell(DeferredCell& cell);
-  /// As above, a finished subtree, for walks that go on with renewed pins, too.
+  /// Retires a finished subtree that no slot refers to any more. Walks may use it until they end,
+  /// also after EpochPin::renew_for_cells(). Threads: any.
   void retire_subtree(const FinishedSubtree& subtree);
-  /// Null: its bytes are not counted with those of other trees.
+  /// Counts the tree's bytes with those of other trees; null if they are not counted there.
   TreeMemory* memory() const { return lists_->memory.get(); }
 
   /// Frees all at and below a slot that was never published.
@@ -62,14 +66,15 @@ class KdTree {
   std::uint64_t deferred_bytes() const { return lists_->deferred.load(std::memory_order_relaxed); }
   /// Bytes of finished subtrees.
   std::uint64_t finished_bytes() const { return lists_->finished.load(std::memory_order_relaxed); }
-  /// Those that cancelled builds left (DeferredCell::left_over).
+  /// Bytes of the deferred cells that cancelled builds left (DeferredCell::left_over).
   std::uint64_t left_over_bytes() const {
     return lists_->left_over.load(std::memory_order_relaxed);
   }
-  /// The most bytes that the tree has held at any time: bytes(), retired cells, and the lists of
-  /// subtrees that were being built.
+  /// The most bytes that the tree has held at any time: bytes(), retired cells, and the lists and
+  /// blocks of subtrees that were being built.
   std::uint64_t bytes_peak() const { return peak_.load(std::memory_order_relaxed); }
-  /// Adds to the lists of subtrees that are being built; negative: when they are freed.
+  /// Adds to the bytes of lists and blocks of subtrees that are being built; negative when they are
+  /// freed.
   void add_growing(std::int64_t bytes);
 
  private:

@@ -11,14 +11,16 @@ alignas(64) inline std::atomic<std::uint32_t> batches_begun{0};
 
 inline void begin_batch() { batches_begun.fetch_add(1, std::memory_order_relaxed); }
 
-/// Threads: any. A use costs a store for the first ray of a batch, and two loads for the others.
+/// The last use of an object. Threads: any. A use costs a store for the first ray of a batch, and
+/// two loads for the others.
 class LastUse {
  public:
   void use() const {
     const std::uint32_t now = batches_begun.load(std::memory_order_relaxed);
     if (batch_.load(std::memory_order_relaxed) != now) batch_.store(now, std::memory_order_relaxed);
   }
-  /// Batches begun since then; since it was made, if it was not used.
+  /// The number of batches begun since the last use, or since the object was made if it was not
+  /// used.
   std::uint32_t age() const {
     constexpr std::uint32_t kLongest = std::uint32_t{1} << 31;
     const std::uint32_t used = batch_.load(std::memory_order_relaxed);

@@ -5,8 +5,8 @@
 
 namespace sightline::accel::kdtree {
 
-/// The thread that made it has joined it. The one that leaves last frees it. Threads: any; who
-/// joins knows that another one has not left.
+/// An object with several owners, freed by the one that leaves last. The thread that made it has
+/// joined it. Threads: any; a thread joins only while it knows that another owner has not left.
 class RefCounted {
  public:
   void join() { users_.fetch_add(1, std::memory_order_relaxed); }

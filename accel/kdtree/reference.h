@@ -19,10 +19,11 @@ namespace sightline::accel::kdtree {
 /// triangles, a group of nodes. Leaves hold no openable references.
 inline constexpr std::uint32_t kOpenable = std::uint32_t{1} << 31;
 
-/// 32 bytes, read in order by every pass. `bounds` went through widen_flat.
+/// The weighted box of a primitive in 32 bytes, read in order by every pass. bounds() went through
+/// widen_flat.
 struct Reference {
   geometry::Vec3f lo;
-  std::uint32_t id = 0;  ///< The id in leaves: a face or an instance. Or see kOpenable.
+  std::uint32_t id = 0;  ///< A face or an instance, as in leaves; with kOpenable, several of them.
   geometry::Vec3f hi;
   std::uint32_t weight =
       1;  ///< Cost of testing it, in triangle tests. The weights of a list sum to less than 2^32.
@@ -43,8 +44,9 @@ struct BuildCounters {
   std::uint64_t touches = 0;          ///< References read, summed over passes.
   std::uint64_t touches_prepare = 0;  ///< Boxes computed from vertices.
   std::uint64_t cells_expanded = 0;   ///< Deferred cells that became inner nodes or leaves.
-  std::uint64_t trees_begun = 0;      ///< Those of them that were roots.
-  double seconds = 0;  ///< Spent expanding, summed over threads. For reports, never for decisions.
+  std::uint64_t trees_begun = 0;      ///< Expanded cells that were roots.
+  /// Time spent on expanding, summed over threads. It is for reports, never for decisions.
+  double seconds = 0;
 
   BuildCounters& operator+=(const BuildCounters& o) {
     touches += o.touches;
@@ -79,7 +81,7 @@ inline bool is_planar(const Reference& ref, std::size_t axis) {
 
 /// What a cell inherits from the cells above it.
 struct CellPath {
-  int depth = 0;           ///< 0 at the root.
+  int depth = 0;           ///< Depth of the cell; 0 at the root.
   int cuts_at_a_loss = 0;  ///< Splits above the cell that were made at a loss (Split::at_a_loss).
   /// References that splits of this cell and below may add (reference_budget.h).
   double references_left = std::numeric_limits<double>::infinity();
@@ -109,8 +111,8 @@ struct CellRefs {
   CellPath path;
   std::size_t size = refs.size();  ///< Number of members.
   /// Runs a pass over a list that is not in one piece (RunPass, scan_pass.h); `refs` may then be
-  /// empty. Only for rules with SplitSearch::runs_passes, and for lists longer than kMaxBoundScan.
-  /// Equal lists get equal passes in the same order.
+  /// empty. It is set only for rules with SplitSearch::runs_passes, and for lists longer than
+  /// kMaxBoundScan. Equal lists get equal passes in the same order.
   const std::function<split::PassResult(
       const std::function<split::PassResult(std::span<const Reference>)>&)>* run = nullptr;
   /// The counts of the first pass over the list, if known (plane_counts.h).

@@ -22,7 +22,7 @@ class ReferenceList {
   ReferenceList() = default;
   /// Allocates `size` references, uninitialised. Throws std::bad_alloc.
   explicit ReferenceList(std::size_t size) : data_(allocate(nullptr, size)), size_(size) {}
-  /// A copy.
+  /// Copies the references.
   explicit ReferenceList(std::span<const Reference> refs) : ReferenceList(refs.size()) {
     std::copy(refs.begin(), refs.end(), data_.get());
   }
@@ -92,7 +92,8 @@ class CellList {
   CellList() = default;
   explicit CellList(ReferenceList list) : short_(std::move(list)) {}
   explicit CellList(std::shared_ptr<const SlicedList> list) : long_(std::move(list)) {}
-  /// Compact: an eighth of the bytes. The source of the tree makes the references again.
+  /// Makes a compact list, which takes an eighth of the bytes. The source of the tree makes the
+  /// references again.
   explicit CellList(std::vector<std::uint32_t> ids) : ids_(std::move(ids)) {}
 
   std::size_t size() const {
@@ -105,10 +106,10 @@ class CellList {
   }
 
   bool is_compact() const { return !ids_.empty(); }
-  /// Of a compact list, which has none of what follows.
+  /// The ids of a compact list, which has none of what follows.
   std::span<const std::uint32_t> ids() const { return ids_; }
 
-  /// Null for a short list.
+  /// The slices of a long list; null for a short list.
   const std::shared_ptr<const SlicedList>& sliced() const { return long_; }
   /// The references of a short list.
   std::span<const Reference> whole() const { return short_.all(); }

@@ -14,7 +14,8 @@ struct PartitionCounts {
   std::size_t right = 0;
 };
 
-/// As below, for splits without planar_left: by the rule of membership alone.
+/// Divides by the rule of membership alone, as the overload below does for splits without
+/// planar_left.
 inline PartitionCounts sift(std::span<const Reference> refs, const Plane& plane, Reference* left,
                             Reference* right) {
   const auto axis = static_cast<std::size_t>(plane.axis);

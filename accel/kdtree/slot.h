@@ -14,15 +14,14 @@ struct DeferredCell;
 class FinishedSubtree;
 struct WideNode;
 
-/// Read and written as one atomic word: an address, and what is there in its lowest bits. Nothing
-/// is there if it is 0.
+/// A slot is read and written as one atomic word: an address, and in its lowest bits what is there.
+/// Nothing is there if it is 0.
 ///
 ///     bits 0, 1   what the address is of
 ///     0           a WideNode, aligned to 64 bytes (bit 2: all below it is final)
 ///     1           the words of a leaf block (blocks/block.h), aligned to 4
 ///     2           a DeferredCell (bit 2: a thread expands it) or a FinishedSubtree (bit 3),
-///     aligned
-///                 to 16
+///                 aligned to 16
 ///     3           a list: the number of references, and their ids; 32-bit words, aligned to 4
 class Slot {
  public:
@@ -30,7 +29,7 @@ class Slot {
   explicit constexpr Slot(std::uint64_t bits) : bits_(bits) {}
 
   static Slot node(const WideNode* node) { return of(node, kNode); }
-  /// A node below which there are only nodes like this one, blocks and lists.
+  /// The slot of a node below which there are only final nodes, blocks and lists.
   static Slot final_node(const WideNode* node) { return of(node, kNode | kFinal); }
   static Slot block(const std::uint32_t* words) { return of(words, kBlock); }
   static Slot list(const std::uint32_t* words) { return of(words, kList); }
@@ -50,17 +49,17 @@ class Slot {
   constexpr bool is_final_node() const { return (bits_ & (kKind | kFinal)) == kFinal; }
   constexpr bool is_block() const { return (bits_ & kKind) == kBlock; }
   constexpr bool is_list() const { return (bits_ & kKind) == kList; }
-  /// A cell or a finished subtree, which other threads may replace.
+  /// Whether the slot holds a cell or a finished subtree, which other threads may replace.
   constexpr bool is_other() const { return (bits_ & kKind) == kOther; }
   constexpr bool is_finished() const {
     return (bits_ & (kKind | kFinished)) == (kOther | kFinished);
   }
-  /// The slot holds a cell: also one that a thread expands.
+  /// Whether the slot holds a cell, also one that a thread expands.
   constexpr bool is_deferred() const { return (bits_ & (kKind | kFinished)) == kOther; }
   constexpr bool is_expanding() const { return is_deferred() && (bits_ & kClaimed) != 0; }
 
   const WideNode* node() const { return address<WideNode>(); }
-  /// Of a block or a list.
+  /// The words of a block or a list.
   const std::uint32_t* words() const { return std::bit_cast<const std::uint32_t*>(bits_ & ~kKind); }
   std::span<const std::uint32_t> list() const { return {words() + 1, *words()}; }
   DeferredCell* cell() const { return const_cast<DeferredCell*>(address<DeferredCell>()); }

@@ -7,7 +7,7 @@
 namespace sightline::accel::kdtree {
 namespace {
 
-/// `box`: of the slot.
+/// Adds the metrics of the tree below a slot, whose box is `box`.
 void measure_below(Slot slot, const geometry::Aabb& box, int depth, double root_area,
                    TreeMetrics& m) {
   if (!slot) return;
@@ -17,7 +17,7 @@ void measure_below(Slot slot, const geometry::Aabb& box, int depth, double root_
   }
   if (slot.is_finished()) return slot.finished()->measure(root_area, depth, m);
   ++m.nodes;
-  if (slot.is_list()) {  // an empty one
+  if (slot.is_list()) {  // which is empty
     ++m.leaves;
     return;
   }

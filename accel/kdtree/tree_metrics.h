@@ -16,12 +16,12 @@ inline constexpr double kMeasuredIntersect = 1.5;
 /// SA(bounds).
 struct TreeMetrics {
   std::uint64_t nodes = 0;   ///< Inner nodes and leaves.
-  std::uint64_t leaves = 0;  ///< Empty ones included.
+  std::uint64_t leaves = 0;  ///< Leaves, empty ones included.
   std::uint64_t nonempty_leaves = 0;
-  std::uint64_t references = 0;  ///< In all leaves.
+  std::uint64_t references = 0;  ///< References in all leaves, repeated ones included.
   int max_depth = 0;             ///< Largest depth of a leaf; 0 if the root is a leaf.
   std::uint64_t deferred_cells = 0;
-  std::uint64_t failed_cells = 0;     ///< Of plain trees: cells that there was no room to divide.
+  std::uint64_t failed_cells = 0;     ///< Cells of plain trees without room to divide them.
   double expected_traversals = 0;     ///< Inner nodes met (E_T).
   double expected_leaves = 0;         ///< Leaves met, empty ones included (E_L).
   double expected_intersections = 0;  ///< References in the leaves met (E_I).
@@ -29,7 +29,7 @@ struct TreeMetrics {
   double overlap =
       0;  ///< Overlap of siblings' boxes (accel/published/bvh/bvh_measure.h); 0 for kd-trees.
   std::uint64_t bytes = 0;
-  std::uint64_t bytes_peak = 0;  ///< The most at any time so far, lists for building included.
+  std::uint64_t bytes_peak = 0;  ///< The most bytes at any time, lists for building included.
 };
 
 TreeMetrics measure(const KdTree& tree);
@@ -41,7 +41,7 @@ struct GrowthMetrics {
   std::uint64_t references_built = 0;  ///< Distinct references in leaves.
 };
 
-/// `ids`: greater than every reference id in the tree.
+/// Walks the tree. `ids` is greater than every reference id in it.
 GrowthMetrics measure_growth(const KdTree& tree, std::uint64_t ids);
 
 }  // namespace sightline::accel::kdtree

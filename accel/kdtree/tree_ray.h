@@ -58,7 +58,7 @@ inline bool enter(const geometry::LocalRay& ray, const geometry::Aabb& bounds, d
 }
 
 /// Whether the ray may meet a box between its t_in and `limit`; never false for a box that it
-/// meets. For searching the lists of deferred cells.
+/// meets. This serves searches of the lists of deferred cells.
 inline bool may_meet(const TreeRay& ray, const geometry::Aabb& box, double limit) {
   double t_in = ray.t_in, t_out = std::min(ray.t_out, limit);
   for (std::size_t a = 0; a < 3; ++a) {

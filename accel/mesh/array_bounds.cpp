@@ -29,8 +29,8 @@ std::uint32_t greatest(const std::uint32_t* indices, std::size_t count) {
   return most;
 }
 
-/// Bounds of values x, y, z, x, ...; three vectors at a time, so that each lane always has the same
-/// axis. Returns false if a value is not finite.
+/// Computes the bounds of values x, y, z, x, ..., three vectors at a time, so that each lane always
+/// has the same axis. Returns false if a value is not finite.
 bool bounds(const float* values, std::size_t count, geometry::Aabb& box) {
   const hn::ScalableTag<float> d;
   const std::size_t lanes = hn::Lanes(d);

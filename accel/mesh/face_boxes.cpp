@@ -53,7 +53,7 @@ class Faces {
     const Tag d;
     const geometry::Face& f = mesh_.faces[face];
     const Four a = vertex(f[0]), b = vertex(f[1]), c = vertex(f[2]);
-    // 0 in lanes where all are finite, else NaN.
+    // This is 0 in lanes where all are finite, else NaN.
     const Four zero = hn::Add(hn::Add(hn::Sub(a, a), hn::Sub(b, b)), hn::Sub(c, c));
     lo = hn::Min(hn::Min(a, b), c);
     hi = hn::Max(hn::Max(a, b), c);
@@ -62,12 +62,12 @@ class Faces {
   }
 
  private:
-  /// widen_flat.
+  /// Widens a box as geometry::widen_flat does.
   static HWY_INLINE void widen(Four& lo, Four& hi) {
     const Tag d;
     const Four none = hn::Zero(d), tiny = hn::Set(d, std::numeric_limits<float>::min());
     const auto is_tiny = [&](Four x) { return hn::Lt(hn::Abs(x), tiny); };
-    // Compares bits: a float comparison does not see denormals where they count as zero.
+    // Bits are compared, as a float comparison does not see denormals where they count as zero.
     const hn::RebindToSigned<Tag> di;
     const auto is_zero = [&](Four x) {
       return hn::RebindMask(d, hn::Eq(hn::ShiftLeft<1>(hn::BitCast(di, x)), hn::Zero(di)));
@@ -86,7 +86,7 @@ class Faces {
     hi = hn::IfThenElse(hn::AndNot(flat, hn::Le(hi, next)), above(next), hi);
   }
 
-  /// least_above.
+  /// Computes geometry::least_above.
   static HWY_INLINE Four above(Four x) {
     const Tag d;
     const hn::RebindToUnsigned<Tag> du;

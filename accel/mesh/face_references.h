@@ -8,8 +8,9 @@
 
 namespace sightline::accel::mesh {
 
-/// `bounds`: box of the finite triangles. `may_run`: use runs if they are compact, which the first
-/// call of the source decides. `alive`: see ReferenceSource.
+/// Returns the source of a mesh's references. `bounds`: box of the finite triangles. `may_run`: use
+/// runs if they are compact, which the first call of the source decides. `alive`: see
+/// ReferenceSource.
 lazy::ReferenceSource source_of_faces(const geometry::MeshView& mesh, const geometry::Aabb& bounds,
                                       bool may_run, std::shared_ptr<const void> alive);
 

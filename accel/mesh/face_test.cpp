@@ -84,7 +84,7 @@ bool FaceTest::references(std::span<const kdtree::Reference> refs) {
   return false;
 }
 
-/// The faces of a run.
+/// Tests the faces of a run.
 bool FaceTest::test_faces(FaceRange faces) {
   if (!mesh_.all_finite) return test_one_by_one(faces);
   std::array<std::uint32_t, kRunLength> ids;
@@ -92,7 +92,7 @@ bool FaceTest::test_faces(FaceRange faces) {
   return leaf({ids.data(), faces.end - faces.begin});
 }
 
-/// Faces that may be no triangles.
+/// Tests faces some of which may be no triangles.
 bool FaceTest::test_one_by_one(FaceRange faces) {
   for (std::size_t i = faces.begin; i < faces.end; ++i) {
     if ((i - faces.begin) % lazy::kSearchStep == lazy::kSearchStep - 1 && is_done()) return true;

@@ -1,5 +1,5 @@
-// The faces of a mesh against rays, one by one or in lists: for leaves of plain trees, and for
-// cells that are not built.
+// Tests the faces of a mesh against rays, one by one or in lists: for leaves of plain trees, and
+// for cells that are not built.
 #pragma once
 
 #include <array>
@@ -17,11 +17,12 @@
 
 namespace sightline::accel::mesh {
 
-/// One ray of a packet. Hits are offered to the packet (wide::offer()). Members that return a bool
-/// return true once the ray needs no more tests.
+/// Tests faces against one ray of a packet. Hits are offered to the packet (wide::offer()). Members
+/// that return a bool return true once the ray needs no more tests.
 class FaceTest {
  public:
-  /// `bounds`: those of the mesh's tree. `cells`: tells when to stop. All outlive it.
+  /// `bounds` are those of the mesh's tree; `cells` tells when to stop. All of these must outlive
+  /// it.
   FaceTest(const geometry::MeshView& mesh, const geometry::Aabb& bounds, wide::Packet& packet,
            std::size_t lane, const lazy::CellQuery& cells, kdtree::WalkCounters& walked)
       : mesh_(mesh), packet_(packet), cells_(cells), walked_(walked), ray_(packet, lane, bounds) {}
@@ -31,11 +32,11 @@ class FaceTest {
   double limit() const { return ray_.limit(); }
 
   bool test(std::uint32_t face);
-  /// Those that the prefilter does not reject.
+  /// Tests the faces that the prefilter does not reject.
   bool leaf(std::span<const std::uint32_t> faces);
-  /// Those whose box, or whose run's box, the ray meets.
+  /// Tests the faces whose box, or whose run's box, the ray meets.
   bool references(std::span<const kdtree::Reference> refs);
-  /// Every face of the mesh.
+  /// Tests every face of the mesh.
   bool everything();
 
  private:
@@ -50,11 +51,11 @@ class FaceTest {
   const lazy::CellQuery& cells_;
   kdtree::WalkCounters& walked_;
   const wide::LaneRay ray_;
-  std::optional<geometry::ShearedRay> sheared_;  // since the first leaf that is long enough
-  std::optional<kdtree::FilterRay> filter_;      // since the first list
+  std::optional<geometry::ShearedRay> sheared_;  // set by the first leaf that is long enough
+  std::optional<kdtree::FilterRay> filter_;      // set by the first list
 };
 
-/// The rays of a packet: the content of a mesh's tree, as lazy::GrowingLeaf has it.
+/// Tests faces against the rays of a packet: the Content of lazy::GrowingLeaf in a mesh's tree.
 class FaceTests {
  public:
   FaceTests(const geometry::MeshView& mesh, const geometry::Aabb& bounds, wide::Packet& packet,
@@ -77,10 +78,10 @@ class FaceTests {
   wide::Packet& packet_;
   const lazy::CellQuery& cells_;
   kdtree::WalkCounters& walked_;
-  std::optional<Tests> tests_;  // by ray, as far as they are needed
+  std::optional<Tests> tests_;  // by ray; each is made when it is first needed
 };
 
-/// As MeshTree::query() for a tree that grows over the faces of a mesh.
+/// Answers MeshTree::query() by a tree that grows over the faces of a mesh.
 void query_faces(lazy::LazyTree& tree, const geometry::MeshView& mesh, wide::Packet& packet,
                  std::uint32_t lanes, lazy::CellQuery& cells, kdtree::WalkCounters& walked,
                  kdtree::BuildCounters& built);

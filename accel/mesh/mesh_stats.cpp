@@ -45,7 +45,7 @@ std::optional<geometry::Aabb> bounds_in_parallel(std::span<const geometry::Vec3f
       });
 }
 
-/// The result if the arrays are regular, from one pass; nothing if they are irregular.
+/// Computes the result in one pass; returns nothing if the arrays are irregular.
 std::optional<MeshStats> stats_of_arrays(const geometry::MeshView& mesh) {
   const std::size_t faces = mesh.faces.size();
   if (faces == 0 || greatest_index_in_parallel(mesh.faces) >= mesh.vertices.size())

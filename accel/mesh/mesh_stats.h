@@ -13,11 +13,11 @@ namespace sightline::accel::mesh {
 struct MeshStats {
   std::uint64_t triangles = 0;         ///< Faces with a triangle.
   std::uint64_t finite_triangles = 0;  ///< Triangles with finite vertices: those that can be hit.
-  /// The first face with an index out of range, or beyond all faces. Such faces count as triangles,
-  /// but not as finite.
+  /// The first face with an index out of range; beyond all faces if there is none. Such faces count
+  /// as triangles, but not as finite.
   std::size_t first_bad_face = ~std::size_t{0};
-  /// Contains all finite triangles. Vertices that no triangle uses may make it a little larger. Has
-  /// a positive extent on each axis; empty if there are no finite triangles.
+  /// The box of all finite triangles; vertices that no triangle uses may make it a little larger.
+  /// It has a positive extent on each axis, and is empty if there are no finite triangles.
   geometry::Aabb bounds;
 };
 

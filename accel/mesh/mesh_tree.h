@@ -31,17 +31,19 @@ class MeshTree {
   MeshTree(geometry::MeshView mesh, const MeshStats& stats, const TreeBuilder& builder,
            References references = References::kRuns, std::shared_ptr<const void> alive = nullptr);
 
-  /// Finds hits of those rays of the packet, which are in the mesh's frame: by Packet::goal the
-  /// nearest, whether there are any, or every one. Requires Packet::best, and the question.
+  /// Finds hits of the rays in `lanes`, which are in the mesh's frame: by Packet::goal the nearest,
+  /// whether there are any, or every one. Requires Packet::best, and the question (Packet::goal to
+  /// Packet::sinks).
   void query(wide::Packet& packet, std::uint32_t lanes, lazy::CellQuery& cells,
              kdtree::WalkCounters& walked, kdtree::BuildCounters& built);
 
-  /// As query() for any or the nearest hits of a pencil in a finished tree: wide::walk_pencil().
+  /// Finds any or the nearest hits of a pencil where the tree is finished, and returns the rays
+  /// that are done: see wide::walk_pencil().
   wide::PencilLanes query_pencil(std::span<wide::Packet> packets, const wide::PencilLanes& lanes,
                                  kdtree::WalkCounters& walked);
 
-  /// Expands every cell, or until `cancelled`. Building a whole tree that has begun is not
-  /// cancelled.
+  /// Expands every cell, or ends soon after `cancelled` is true. A whole tree whose build has begun
+  /// is completed.
   void expand_all(kdtree::BuildCounters& built, const std::atomic<bool>* cancelled = nullptr);
   /// Whether expand_all() has nothing left to do.
   bool is_complete() const;
@@ -51,7 +53,7 @@ class MeshTree {
   kdtree::TreeMetrics metrics() const;
   kdtree::GrowthMetrics growth() const;
 
-  /// The kd-tree or the whole tree; the other is null.
+  /// The kd-tree and the whole tree, one of which is null.
   const kdtree::KdTree* kd() const;
   const WholeTree* whole() const;
   /// The kd-tree; null for a whole tree.
@@ -66,7 +68,7 @@ class MeshTree {
                    kdtree::WalkCounters& walked, kdtree::BuildCounters& built);
 
   geometry::MeshView mesh_;
-  geometry::Aabb bounds_;  ///< Contains all references.
+  geometry::Aabb bounds_;  ///< The box of all references.
   std::uint64_t finite_triangles_ = 0;
   Tree tree_;
 };

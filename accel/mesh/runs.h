@@ -1,5 +1,5 @@
 // Runs of consecutive faces: the references that a mesh's tree starts from if the order of its
-// faces is compact. Ours; Hunt, Mark, Fussell 2007 start from a given hierarchy.
+// faces is compact. The method is ours; Hunt, Mark, Fussell 2007 start from a given hierarchy.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,8 @@ namespace sightline::accel::mesh {
 /// Faces of a run, and of the short runs that it is opened into. Short runs are opened into faces.
 inline constexpr std::size_t kRunLength = 16, kShortRunLength = 4;
 
-/// Whether runs are compact and not too few. Reads a sample of the faces. `bounds`: the mesh's.
+/// Whether runs are compact and not too few. Reads a sample of the faces. `bounds` are those of the
+/// mesh.
 bool are_runs_compact(const geometry::MeshView& mesh, const geometry::Aabb& bounds,
                       kdtree::BuildCounters& counters);
 

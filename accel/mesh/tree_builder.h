@@ -19,7 +19,7 @@ struct TreeBuilder {
   split::SplitRule rule = split::default_rule();
   /// If set, it builds the whole tree at once, and `rule` is not used.
   std::shared_ptr<const WholeTreeMaker> whole = nullptr;
-  /// What the trees count their bytes in, and ask before they grow; null: they may always grow.
+  /// Counts the bytes of the trees, and says whether they may grow; null: they always may.
   std::shared_ptr<kdtree::TreeMemory> memory = nullptr;
 };
 

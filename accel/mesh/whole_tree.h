@@ -27,7 +27,7 @@ class WholeTree {
   /// Builds the tree, or waits for the thread that does. Throws std::bad_alloc; a later call may
   /// try again.
   virtual void build(kdtree::BuildCounters& counters) = 0;
-  /// Requires is_built().
+  /// Takes the ray of `test` through the tree. Requires is_built().
   virtual void query(FaceTest& test, kdtree::WalkCounters& walked) const = 0;
 
   virtual std::uint64_t bytes() const = 0;

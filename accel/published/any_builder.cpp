@@ -134,7 +134,7 @@ const Parameters<kd::MinMaxBuilder>& parameters(const kd::MinMaxBuilder&) {
   return kParameters;
 }
 
-/// Parameters of all hierarchies, then those of one method.
+/// Returns the parameters of all hierarchies, then the ones of one method.
 Parameters<bvh::BvhBuilder> bvh_parameters(Parameters<bvh::BvhBuilder> own) {
   using B = bvh::BvhBuilder;
   Parameters<B> parameters = {

@@ -25,7 +25,8 @@ struct ScanBuilder : split::ScanSplit {
   ScanBuilder(const split::ScanSplit& rule)  // NOLINT(google-explicit-constructor): it is the same
       : split::ScanSplit(rule) {}
 
-  /// The product's tree, which ends in leaf blocks; false: a plain kd-tree, down to leaves.
+  /// Whether it builds the product's tree, which ends in leaf blocks; else a plain kd-tree, down to
+  /// leaves.
   bool blocks = true;
 
   bool operator==(const ScanBuilder&) const = default;
@@ -42,7 +43,7 @@ kd::PlainRule plain_rule(const KdBuilder& builder);
 struct AnyBuilder : std::variant<KdBuilder, bvh::BvhBuilder> {
   using std::variant<KdBuilder, bvh::BvhBuilder>::variant;
 
-  /// The builder as meshes take it.
+  /// The builder in the form that meshes take.
   operator mesh::TreeBuilder() const;  // NOLINT(google-explicit-constructor): it is the same thing
 };
 

@@ -43,7 +43,7 @@ split::SplitRule search_by(const Builder& builder) {
   return std::make_shared<const Search<Builder>>(builder);
 }
 
-/// Of rules that do not clip.
+/// The rule for small lists; nothing for builders that clip.
 template <class Builder>
 std::optional<split::BoundRule> small_rule(const Builder& builder, bool clips) {
   return clips ? std::nullopt : builder.bound_rule(kd::kSmallList);

@@ -20,7 +20,7 @@ struct ChildPlanes {
   std::array<std::array<float, kdtree::kUniformPlanes>, 3> at;
 };
 
-/// n: 2 to kdtree::kUniformPlanes.
+/// Returns the planes of a cell's first pass. n: 2 to kdtree::kUniformPlanes.
 ChildPlanes child_planes(const geometry::Aabb& cell, std::uint32_t n);
 
 /// The planes and the counts of the first pass over each child of a cell.
@@ -29,9 +29,9 @@ struct ChildScans {
   kdtree::ChildScan left, right;
 };
 
-/// As sift by {plane}, and adds to `scans` the counts of the first passes over the written lists.
-/// Touches: one per reference. The result is the same on every SIMD target. May be called for one
-/// piece of a list after the other, or for several at once with separate scans.
+/// Sifts by the plane (kdtree::sift), and adds to `scans` the counts of the first passes over the
+/// written lists. Touches: one per reference. The result is the same on every SIMD target. May be
+/// called for one piece of a list after the other, or for several at once with separate scans.
 kdtree::PartitionCounts sift_and_count(std::span<const kdtree::Reference> refs,
                                        const kdtree::Plane& plane, kdtree::Reference* left,
                                        kdtree::Reference* right, ChildScans& scans);

@@ -38,7 +38,7 @@ class SplitAreas {
     const double whole = ends_ + slope_ * (hi_ - lo_);
     per_whole_ = whole > 0 ? 1 / whole : 0;
   }
-  /// For callers that know 1 / SA(cell).
+  /// Takes 1 / SA(cell) from callers that know it.
   SplitAreas(const geometry::Aabb& cell, int axis, double per_whole) : per_whole_(per_whole) {
     const auto a = static_cast<std::size_t>(axis);
     const auto extent = [&](std::size_t i) {
@@ -55,8 +55,8 @@ class SplitAreas {
   double per_whole() const { return per_whole_; }  ///< 1 / SA(cell).
 
   /// Expected tests in the children of a cut at x, if these weights lie on its sides and a child is
-  /// entered as often as its area says. Times `empty_bonus` if one side is empty. bound_cost-inl.h
-  /// has the same for many cuts at once, in floats.
+  /// entered as often as its area says; times `empty_bonus` if one side is empty. bound_cost-inl.h
+  /// computes this for many cuts at once, in floats.
   double children(double x, double left_weight, double right_weight, double empty_bonus) const {
     const double sum = (left(x) * left_weight + right(x) * right_weight) * per_whole_;
     const bool one_empty = (left_weight == 0) | (right_weight == 0);  // a branch would mispredict

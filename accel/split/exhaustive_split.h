@@ -28,7 +28,7 @@ struct BoundRule {
 /// Longest list that choose_bound takes.
 inline constexpr std::size_t kMaxBoundScan = 256;
 
-/// The split of the rule, or nothing for a leaf. The same on every SIMD target. refs: 1 to
+/// The split of the rule, or nothing for a leaf. It is the same on every SIMD target. refs: 1 to
 /// kMaxBoundScan. Touches: a pass over the list for every kScanWidth candidates of an axis.
 std::optional<kdtree::Split> choose_bound(std::span<const kdtree::Reference> refs,
                                           const geometry::Aabb& cell, const BoundRule& rule,

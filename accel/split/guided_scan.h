@@ -16,13 +16,13 @@ struct GuidedRule {
   /// Planes an axis in the first pass, the cell's faces included. Range 2 to
   /// kdtree::kUniformPlanes.
   std::uint32_t uniform_samples = 8;
-  bool refine_all_axes =
-      false;          ///< The second pass scans all axes; else the one with the best estimate.
-  bool once = false;  ///< No second pass.
+  /// Whether the second pass scans all axes; else the one with the best estimate.
+  bool refine_all_axes = false;
+  bool once = false;  ///< Whether there is no second pass.
 };
 
-/// The cheapest plane found, if it is cheaper than a leaf. Two passes; one less if the first is
-/// known (CellRefs::first), and one less if the second cannot find a better plane.
+/// Returns the cheapest plane found, if it is cheaper than a leaf. It takes two passes; one less if
+/// the first is known (CellRefs::first), and one less if the second cannot find a better plane.
 ///
 /// C_L only rises and C_R only falls along an axis, so the counts at the ends of a segment between
 /// two planes bound the cost within it. The second pass scans kScanWidth planes an axis, spread

@@ -34,7 +34,7 @@ struct PassResult {
 };
 static_assert(std::is_trivially_copyable_v<PassResult>);
 
-/// One pass over some of a list. Owns all it reads, so it may outlive its maker. Threads: any,
+/// One pass over some of a list. It owns all it reads, so it may outlive its maker. Threads: any,
 /// several at once. Repeated runs over the same references give equal results.
 using PassKernel = std::function<PassResult(std::span<const kdtree::Reference>)>;
 

@@ -27,7 +27,7 @@ class ScanSearch final : public SplitSearch {
   }
   bool runs_passes() const override { return true; }
   bool takes_samples() const override { return !rule_.clip; }
-  /// Not for short lists, most of whose children are searched exhaustively, and not with clipping,
+  /// False for short lists, most of whose children are searched exhaustively, and with clipping,
   /// which changes the counted boxes.
   bool scans_children(std::size_t references) const override {
     return !rule_.clip && references >= 2 * std::size_t{rule_.exact_below};

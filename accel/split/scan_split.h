@@ -16,10 +16,10 @@ namespace sightline::accel::split {
 /// Most references for each triangle in a plain tree. Good trees over compact meshes have four to
 /// eight.
 inline constexpr double kPlainBudget = 16;
-/// The same above leaf blocks. More make trees larger, and those of architecture slower; slivers
-/// are traced faster (docs/decisions/0034-leaf-blocks.md).
+/// Most references for each triangle above leaf blocks. A larger budget makes trees larger, and
+/// slower for architecture; slivers are traced faster (docs/decisions/0034-leaf-blocks.md).
 inline constexpr double kBlockBudget = 1.3;
-/// kBlockBudget where leaves are blocks, else kPlainBudget.
+/// Stands for kBlockBudget where leaves are blocks, else for kPlainBudget.
 inline constexpr double kUsualBudget = -1;
 
 /// The rule as a value: its parameters, `check()`, and `choose()`.
@@ -30,19 +30,19 @@ struct ScanSplit {
   /// Lists up to this length are split at the best of their bounds. For longer lists two passes
   /// cost fewer touches and no more time. Range 0 to kMaxBoundScan.
   std::uint32_t exact_below = 48;
-  /// Of the lists split at their bounds, those up to this length try all axes, longer ones the
-  /// longest axis.
+  /// Lists split at their bounds try all axes up to this length, and only the longest axis beyond
+  /// it.
   std::uint32_t all_axes_up_to = 8;
   /// If the longest axis has no bound below this share of the leaf's cost, the other two axes are
   /// tried, too. Range from 1e-6; infinite: never.
   double retry_above = std::numeric_limits<double>::infinity();
-  /// The second pass scans all axes, not only the one with the best estimate.
+  /// Whether the second pass scans all axes, not only the one with the best estimate.
   bool refine_all_axes = true;
-  /// Perfect splits: the box of a straddler shrinks to the part of its triangle in the child
-  /// (grow/clip_straddlers.h).
+  /// Whether splits are perfect: the box of a straddler shrinks to the part of its triangle in the
+  /// child (grow/clip_straddlers.h).
   bool clip = false;
-  /// The same, but only for lists with a high straddle ratio (kStraddleShare): triangles that are
-  /// long compared with their cells, whose boxes are a poor bound.
+  /// Whether splits are perfect in lists with a high straddle ratio (kStraddleShare): their
+  /// triangles are long compared with the cells, and boxes are a poor bound.
   bool clip_dense = false;
   /// Limit on references per triangle in the tree, or above its leaf blocks; each subtree gets a
   /// share of it (reference_budget.h). 0: no limit in plain trees, the usual one above blocks.
@@ -55,8 +55,8 @@ struct ScanSplit {
   /// A message that names a parameter out of range, and its range; nothing if all are in range.
   std::optional<std::string> check() const;
 
-  /// The cheapest plane found strictly inside the cell; nothing if no split is cheaper than a leaf,
-  /// or no plane lies inside. Threads: any.
+  /// Returns the cheapest plane found strictly inside the cell; nothing if no split is cheaper than
+  /// a leaf, or no plane lies inside. Threads: any.
   std::optional<kdtree::Split> choose(const kdtree::CellRefs& cell,
                                       kdtree::BuildCounters& counters) const;
 
@@ -68,7 +68,7 @@ struct ScanSplit {
 };
 
 /// Whether a cell holds long triangles: cuts above it have multiplied its references far more than
-/// those of a surface. Of n triangles of a surface about sqrt(n) cross the border of a cell, so
+/// those of a surface. About sqrt(n) of n triangles of a surface cross the border of a cell, so
 /// duplication - 1 is a few times sqrt(1 / n) there.
 bool is_over_duplicated(const kdtree::CellPath& path, std::size_t references);
 

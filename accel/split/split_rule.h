@@ -1,4 +1,4 @@
-// A split rule as what holds it sees it: passed on, not asked.
+// A pointer to a split rule, for code that passes it on and never calls it.
 #pragma once
 
 #include <memory>
@@ -7,7 +7,7 @@ namespace sightline::accel::split {
 
 class SplitSearch;  // split_search.h
 
-/// Shared by trees and by tasks that may outlive them. Never null.
+/// A rule that trees share with tasks which may outlive them. Never null.
 using SplitRule = std::shared_ptr<const SplitSearch>;
 
 /// The product's rule, scan_fast() (scan_split.h), made once. Threads: any.

@@ -10,8 +10,8 @@
 
 namespace sightline::accel::split {
 
-/// A rule that decides where cells are split. Called once per cell, not by traversals. Immutable.
-/// Threads: all members, from any.
+/// A rule that decides where cells are split. It is called once per cell, not by traversals.
+/// Immutable. Threads: any, for all members.
 class SplitSearch {
  public:
   SplitSearch() = default;
@@ -19,12 +19,12 @@ class SplitSearch {
   SplitSearch(const SplitSearch&) = delete;
   SplitSearch& operator=(const SplitSearch&) = delete;
 
-  /// The split, or nothing for a leaf.
+  /// Returns the split, or nothing for a leaf.
   virtual std::optional<kdtree::Split> choose(const kdtree::CellRefs& cell,
                                               kdtree::BuildCounters& counters) const = 0;
 
-  /// Whether straddlers are clipped after a split that leaves `straddlers` of `references` on both
-  /// sides: of a cell's list, or of a slice of it.
+  /// Whether straddlers are clipped after a split of a cell's list, or of a slice of it, that
+  /// leaves `straddlers` of `references` on both sides.
   virtual bool clips(std::size_t /*straddlers*/, std::size_t /*references*/) const { return false; }
 
   /// Whether `choose` works through passes alone (CellRefs::run). Otherwise it needs the list in
@@ -38,7 +38,7 @@ class SplitSearch {
   /// (sift_and_count). `choose` then gets the counts as CellRefs::first.
   virtual bool scans_children(std::size_t /*references*/) const { return false; }
 
-  /// For rules that scan children: the planes of the first pass over a child's list.
+  /// The planes of the first pass over a child's list, for rules that scan children.
   virtual ChildPlanes child_planes(const geometry::Aabb& /*child*/) const { return {}; }
 
   /// Limit on references per triangle in a tree (reference_budget.h), or above its leaf blocks,

@@ -1,4 +1,4 @@
-// Columns side by side are written in vectors, others number by number.
+// Writes columns side by side in vectors, others number by number.
 #include "accel/wide/answers.h"
 
 #include <bit>
@@ -35,7 +35,7 @@ HWY_INLINE void each_answered(const Outcome& outcome, const Put& put) {
     put(static_cast<std::size_t>(std::countr_zero(left)));
 }
 
-/// Of a field of numbers, all lanes.
+/// Writes a field of numbers for all answered rays.
 template <class T>
 HWY_INLINE void put(const Outcome& outcome, const Lanes<T, kLanes>& numbers,
                     const FieldColumn<T>& field, std::size_t first) {
@@ -62,7 +62,7 @@ HWY_INLINE void clear(const Outcome& outcome, const FieldColumn<T>& field, std::
                 [&](std::size_t lane) { std::memset(to + lane * field.stride, 0, sizeof(T)); });
 }
 
-/// The numbers of the rays with a described hit, and zero for others.
+/// Writes the numbers of the rays with a described hit, and zero for others.
 template <class T>
 HWY_INLINE void put_described(const Outcome& outcome, std::uint32_t described,
                               const Column<T>& numbers, const FieldColumn<T>& field,
@@ -93,7 +93,7 @@ HWY_INLINE void put_work(const Outcome& outcome, const HitColumns& hits, std::si
       hits.work, first);
 }
 
-/// `found`: the rays with a hit.
+/// Writes the state of each answered ray. `found` are the rays with a hit.
 HWY_INLINE void put_state(const Outcome& outcome, std::uint32_t found, const HitColumns& hits,
                           std::size_t first) {
   using States = Lanes<std::uint8_t, kLanes>;

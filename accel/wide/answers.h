@@ -15,8 +15,8 @@ struct Outcome {
   const Column<std::uint32_t>& work;
   std::uint32_t answered = 0;      ///< The rays to write: the first ones, perhaps with gaps.
   std::uint32_t valid = 0;         ///< The rays that are not invalid.
-  std::uint32_t saw_deferred = 0;  ///< See geometry::Hit::work.
-  bool any = false;                ///< Of a hit, only that it exists is known.
+  std::uint32_t saw_deferred = 0;  ///< The rays that met a cell which is not built (Hit::work).
+  bool any = false;                ///< Whether only the existence of hits is known.
 };
 
 /// Writes all asked fields of answered rays to the rows `first` and following; `first` is a

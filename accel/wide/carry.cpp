@@ -16,7 +16,8 @@
 #ifndef SIGHTLINE_WIDE_IDENTITY
 #define SIGHTLINE_WIDE_IDENTITY
 namespace sightline::accel::wide {
-/// Its products and sums change no number but negative zeros, which set_rays() replaces as well.
+/// The identity. Its products and sums change no number but negative zeros, which set_rays()
+/// replaces as well.
 inline constexpr Matrix kIdentity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 }  // namespace sightline::accel::wide
 #endif
@@ -25,20 +26,20 @@ HWY_BEFORE_NAMESPACE();
 namespace sightline::accel::wide {
 namespace HWY_NAMESPACE {
 
-/// Zero where it is too small to count.
+/// Replaces numbers that are too small to count by zero.
 HWY_INLINE Doubles settled(const Doubles& x) {
   return Doubles::pick(abs(x) < Doubles::set(geometry::kSmallestRay), Doubles::set(0), x);
 }
 
-/// Not for NaN or infinity.
+/// The rays without NaN and infinity.
 HWY_INLINE std::uint32_t are_finite(const Vectors& v) {
   const Doubles zero = Doubles::set(0);
   const Doubles nothing = v[0] * zero + v[1] * zero + v[2] * zero;
   return nothing <= zero;
 }
 
-/// The power of two that brings x into [1, 2), for x within 2^-1000 and 2^1001: those lanes are
-/// returned.
+/// Sets `unit` to the power of two that brings x into [1, 2). Returns the lanes in which x is at
+/// least 2^-1000 and less than 2^1001; only there `unit` is valid.
 HWY_INLINE std::uint32_t unit_of(const Doubles& x, Doubles& unit) {
   for (std::size_t i = 0; i < Doubles::kVectors; ++i) {
     const Doubles::D d;

@@ -1,4 +1,4 @@
-// Carrying a packet of rays into the frame of an instance.
+// Transforms a packet of rays into the frame of an instance.
 #pragma once
 
 #include <array>
@@ -14,14 +14,15 @@ namespace sightline::accel::wide {
 /// succeeds relative to `center`.
 std::uint32_t valid(const GivenRays& given, const geometry::Vec3d& center, std::uint32_t lanes);
 
-/// A 3x4 matrix by rows, as of an affine transform.
+/// An affine transform: a 3x4 matrix by rows.
 using Matrix = std::array<double, 12>;
 
-/// Sets `out`: origin, direction and unit as geometry::set_local_ray does for each transformed ray,
-/// bit for bit; the limits are the same. Returns those of `lanes` for which that succeeds.
+/// Transforms rays: sets origin, direction and unit as geometry::set_local_ray does for each
+/// transformed ray, bit for bit, and copies the limits. Returns the rays of `lanes` for which that
+/// succeeds.
 std::uint32_t carry(const GivenRays& given, const Matrix& matrix, std::uint32_t lanes, Rays& out);
 
-/// As carry() for a translation by -center.
+/// Translates rays by -center, as carry() does with a matrix.
 std::uint32_t center(const GivenRays& given, const geometry::Vec3d& center, std::uint32_t lanes,
                      Rays& out);
 

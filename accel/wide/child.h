@@ -1,4 +1,4 @@
-// Where rays go on in a tree.
+// The child of a node, as walks keep it on their stacks.
 #pragma once
 
 #include <bit>
@@ -9,23 +9,24 @@
 
 namespace sightline::accel::wide {
 
-/// What a slot holds where that is final: a node or a leaf. Otherwise the slot itself, which is
-/// read when rays come there: other threads replace what it holds. Nothing if it is 0.
+/// A child of a node, as walks keep it: the node or leaf that a slot holds, if that is final; else
+/// the address of the slot, which is read when rays come there, as other threads replace what it
+/// holds. 0: nothing.
 class Child {
  public:
   constexpr Child() = default;
-  /// What a slot leads to.
+  /// The child at a slot.
   static Child at(const kdtree::AtomicSlot& slot) {
     const kdtree::Slot now = kdtree::load(slot);
     return now.is_other() ? Child(std::bit_cast<std::uint64_t>(&slot) | kSlot) : final(now);
   }
-  /// A node or a leaf.
+  /// The child that is a node or a leaf.
   static Child final(kdtree::Slot slot) {
     assert(!slot.is_other());
     return Child(slot.bits());
   }
 
-  /// The word of a child, and the child of a word.
+  /// Converts a child to a word, and a word to a child.
   std::uint64_t bits() const { return bits_; }
   static Child of(std::uint64_t bits) { return Child(bits); }
 
@@ -35,7 +36,7 @@ class Child {
   bool is_list() const { return (bits_ & kKind) == kList; }
 
   const kdtree::WideNode* node() const { return as_slot().node(); }
-  /// The child of a node.
+  /// Child i of the node.
   Child child(std::size_t i) const {
     const kdtree::AtomicSlot& slot = node()->children[i];
     return as_slot().is_final_node() ? Child(kdtree::load(slot).bits()) : at(slot);
@@ -52,7 +53,7 @@ class Child {
   explicit constexpr Child(std::uint64_t bits) : bits_(bits) {}
   kdtree::Slot as_slot() const { return kdtree::Slot(bits_); }
 
-  std::uint64_t bits_;  // Not set unless asked for: the stacks of walks are made for each ray.
+  std::uint64_t bits_;  // Uninitialized by default, as stacks of walks are made for each ray.
 };
 
 }  // namespace sightline::accel::wide

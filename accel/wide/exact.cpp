@@ -1,5 +1,5 @@
-// The hit rule for a triangle of each ray at once, in doubles that are not fused: the same bits as
-// geometry::intersect, which decides what doubles leave open.
+// The hit rule for one triangle per ray, all rays at once, in doubles that are not fused. It gives
+// the same bits as geometry::intersect, which decides what doubles leave open.
 #include "accel/wide/exact.h"
 
 #include <array>
@@ -25,7 +25,8 @@
 #define SIGHTLINE_WIDE_LANE_VERDICTS
 namespace sightline::accel::wide {
 
-/// By lane: a bit in `miss`: certainly none; in `hit`: certainly one, at t.
+/// A verdict for each lane: a bit in `miss` says that there is certainly no hit, a bit in `hit`
+/// that there certainly is one, at t.
 struct LaneVerdicts {
   Column<double> t;
   std::uint32_t miss = 0, hit = 0;
@@ -45,7 +46,7 @@ HWY_BEFORE_NAMESPACE();
 namespace sightline::accel::wide {
 namespace HWY_NAMESPACE {
 
-/// The corners as the mesh has them: their differences to the center are exact.
+/// The corners in mesh coordinates, exactly, as blocks hold exact differences to the center.
 HWY_INLINE Vectors corners(const std::array<Column<float>, 3>& columns,
                            const geometry::Vec3f& center) {
   const auto axis = [&](std::size_t k) {
@@ -74,7 +75,7 @@ void judge_lanes(const Rays& rays, const geometry::Vec3f& center, const LaneTria
   ((dot(normal, pa) / along + zero) * Doubles::load(rays.unit.data())).store(out.t.data());
 }
 
-/// Sets t of the plane for all rays; returns those for which doubles give it.
+/// Sets the t at which each ray crosses the plane; returns the rays for which doubles give it.
 std::uint32_t cross_plane(const Rays& rays, const SeenPlane& plane, Column<double>& t) {
   const auto set = [](double x) { return Doubles::set(x); };
   const Doubles along =
@@ -113,7 +114,7 @@ OfferedTriangle offered(const std::uint32_t* words, std::uint32_t triangle) {
   return {Block(words).id(triangle), words, triangle};
 }
 
-/// The corner as the mesh has it: its difference to the center is exact.
+/// A corner in mesh coordinates, exactly, as blocks hold exact differences to the center.
 geometry::Vec3f corner_of(const Packet& packet, const Block& block, std::size_t corner,
                           std::uint32_t triangle) {
   const geometry::Vec3f v = block.vertex(block.corner(corner)[triangle]);
@@ -152,10 +153,10 @@ std::uint32_t decide_together(Packet& packet, const LaneTriangles& triangles,
   return taken;
 }
 
-/// From here on it takes less time than one by one.
+/// From this many pairs on, deciding them together takes less time than one by one.
 constexpr int kTogether = 3;
 
-/// Those of `lanes` with a candidate that floats have as the nearest hit, and that still may be.
+/// The rays of `lanes` whose best candidate may still be the nearest hit.
 std::uint32_t with_best(const Packet& packet, std::uint32_t lanes) {
   const Candidates& all = packet.candidates;
   lanes &= all.has_best;
@@ -166,7 +167,7 @@ std::uint32_t with_best(const Packet& packet, std::uint32_t lanes) {
   return lanes;
 }
 
-/// The candidates that floats have as the rays' nearest hits.
+/// Decides the best candidates, which are certain hits by floats.
 void settle_best(Packet& packet, std::uint32_t lanes) {
   const Candidates& all = packet.candidates;
   lanes = with_best(packet, lanes);
@@ -196,7 +197,8 @@ SeenPlane seen_plane(const Packet& packet, const Block& block, std::uint32_t tri
           geometry::kEdgeOn * geometry::max_norm(e1) * geometry::max_norm(e2)};
 }
 
-/// As settle_best(), for rays with one origin: triangle by triangle. That they are hits is certain.
+/// Decides the best candidates of rays with one origin, triangle by triangle. That they are hits is
+/// certain; only their t is computed, where doubles give it.
 void settle_best_from_origin(Packet& packet, std::uint32_t lanes) {
   const Candidates& all = packet.candidates;
   Column<double> t;
@@ -220,13 +222,13 @@ void settle_best_from_origin(Packet& packet, std::uint32_t lanes) {
   }
 }
 
-/// The candidates of which floats are not certain, or not that they are the nearest.
+/// Decides the other candidates, which are not certain to be hits, or to be the nearest.
 void settle_others(Packet& packet, std::uint32_t lanes) {
   const Candidates& all = packet.candidates;
   for (; lanes != 0; lanes &= lanes - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
     for (std::size_t i = 0; i < all.count[lane]; ++i) {
-      // Also a depth that is not a number.
+      // The negation also includes a depth that is NaN.
       if (!(all.low[lane][i] > packet.floats.high[lane]))
         decide(packet, lane, all.block[lane][i], all.triangle[lane][i]);
     }

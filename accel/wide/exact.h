@@ -9,14 +9,14 @@
 
 namespace sightline::accel::wide {
 
-/// Decides one pair now. True: the ray's limits were tightened.
+/// Decides one pair now. Returns whether the ray's limits were tightened.
 bool decide(Packet& packet, std::size_t lane, const std::uint32_t* block, std::uint32_t triangle);
 
-/// As decide() for one triangle and several rays, for any of which it may be true.
+/// Decides one triangle for several rays. Returns whether the limits of any were tightened.
 bool decide_lanes(Packet& packet, std::uint32_t lanes, const std::uint32_t* block,
                   std::uint32_t triangle);
 
-/// For Goal::kEvery, where hits are counted: adds one that is certain, and within the ray's limits.
+/// Counts a hit that is certain and within the ray's limits, for Goal::kEvery without a list.
 inline void add_certain(Packet& packet, std::size_t lane, const std::uint32_t* block,
                         std::uint32_t triangle) {
   packet.best->found |= 1u << lane;
@@ -24,14 +24,14 @@ inline void add_certain(Packet& packet, std::size_t lane, const std::uint32_t* b
 }
 
 /// Remembers a pair that may be the ray's nearest hit, at this depth or beyond. If there are too
-/// many, those that cannot be the nearest any more are forgotten, or the pair is decided now.
+/// many, the ones that cannot be the nearest any more are forgotten, or the pair is decided now.
 void remember(Packet& packet, std::size_t lane, const std::uint32_t* block, std::uint32_t triangle,
               float low);
 
 /// Decides all that these rays remember, several at a time.
 void settle(Packet& packet, std::uint32_t lanes);
 
-/// As settle() for rays with one origin.
+/// Decides all that these rays remember, given that they have one origin, which takes less time.
 void settle_from_origin(Packet& packet, std::uint32_t lanes);
 
 }  // namespace sightline::accel::wide

@@ -1,4 +1,4 @@
-// Rays in floats. docs/hit_rule.md, section 7, derives every constant.
+// Prepares rays for float tests. docs/hit_rule.md, section 7, derives every constant.
 #include "accel/wide/float_rays.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@
 #ifndef SIGHTLINE_WIDE_LARGEST_T
 #define SIGHTLINE_WIDE_LARGEST_T
 namespace sightline::accel::wide {
-/// Greater than any t, from the origins that floats have, at which a tree can be met.
+/// Greater than any t at which a ray meets a tree, counted from the origin that floats have.
 constexpr double kLargestT = 0x1p+100;
 }  // namespace sightline::accel::wide
 #endif
@@ -31,14 +31,15 @@ namespace HWY_NAMESPACE {
 using Doubles = Lanes<double, kLanes>;
 using Floats = Lanes<float, kLanes>;
 
-/// From this far away on, float tests could overflow: the ray is followed to the tree.
+/// Float tests of a ray that begins this far away could overflow, so its origin is moved along it
+/// to the tree.
 constexpr double kFar = 0x1p+61;
-/// Then its origin is off by at most this share of the distance.
+/// A moved origin is off by at most this share of the distance.
 constexpr double kShiftError = 0x1p-50;
-/// Where that is more than this, floats know nothing of the ray. It counts as off by far more than
-/// any size, so that nothing is certain.
+/// Floats know nothing of a ray whose moved origin is off by more than kMostOff. It counts as off
+/// by kBlindOff, which is far more than any size, so that nothing is certain.
 constexpr double kMostOff = 0x1p+58, kBlindOff = 0x1p+64;
-/// By the axis of the direction's largest component.
+/// The rays whose main axis, that of the direction's largest component, is y, and z.
 struct MainAxis {
   std::uint32_t y, z;
 
@@ -98,8 +99,8 @@ class Preparing {
     far_ |= abs(from_[axis]) > Doubles::set(kFar);
   }
 
-  /// Follows far rays to the plane through the center that is across their largest component. A ray
-  /// that is then still far away does not meet the tree.
+  /// Moves the origins of far rays along them to the plane through the center that is across their
+  /// largest component. A ray that is then still far away does not meet the tree.
   HWY_INLINE void shift() {
     std::array<Doubles, 3> direction;
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -121,7 +122,7 @@ class Preparing {
     far_distance_ = to_floats(Doubles::pick(blind_, zero, most)) + Floats::set(packet_.extent);
   }
 
-  /// Hits are at distances from where the ray begins. Of the blind no limit is known.
+  /// Sets the distances of hits from where far rays begin. No limit is known for blind ones.
   HWY_INLINE void set_far_distance() {
     const Floats unknown = Floats::set(std::numeric_limits<float>::infinity());
     distance_ = Floats::pick(far_, Floats::pick(blind_, unknown, far_distance_), distance_);
@@ -137,7 +138,7 @@ class Preparing {
     distance_ = axis == 0 ? reach : max(distance_, reach);
   }
 
-  /// The distance to the farther bound.
+  /// The distance from an origin to the farther bound.
   HWY_INLINE Floats reach_from(const Floats& origin, std::size_t axis) const {
     return max(abs(Floats::set(frame_.bounds.lo[axis]) - origin),
                abs(Floats::set(frame_.bounds.hi[axis]) - origin));
@@ -198,8 +199,8 @@ class Preparing {
     set_culling(sign);
   }
 
-  /// Of (N . d): negative at the front; the determinants have its sign times that of the main
-  /// component.
+  /// Sets the sign of determinants on the ignored side. N . d is negative at the front, and
+  /// determinants have its sign times that of the main component.
   HWY_INLINE void set_culling(const Floats& sign) {
     const geometry::Culling culling = packet_.culling;
     const float turned = culling == geometry::Culling::kNone   ? 0.0f
@@ -208,7 +209,7 @@ class Preparing {
     (sign * Floats::set(turned)).store(out_.cull.data());
   }
 
-  /// Returns the rays that may meet the bounds.
+  /// Sets the limits of t and depth. Returns the rays that may meet the bounds.
   HWY_INLINE std::uint32_t set_limits() {
     const Rays& rays = packet_.rays;
     const Doubles most = Doubles::set(kLargestT), least = Doubles::set(-kLargestT);
@@ -219,7 +220,7 @@ class Preparing {
       const Doubles at = t * per_unit;
       return to_floats(max(least, min(most, is_moved ? at * scale - shift_ : at)));
     };
-    // A hit whose t is too large for a double is none.
+    // A hit whose t overflows a double is no hit.
     const Doubles tmax =
         min(Doubles::load(rays.tmax.data()), Doubles::set(std::numeric_limits<double>::max()));
     const Floats begin = local(Doubles::load(rays.tmin.data())), end = local(tmax);
@@ -244,15 +245,15 @@ class Preparing {
   Packet& packet_;
   const Frame& frame_;
   FloatRays& out_;
-  std::array<Doubles, 3> from_;  // the origins that floats round
+  std::array<Doubles, 3> from_;  // the origins before they are rounded to floats
   Doubles shift_ = Doubles::set(0);
   Floats off_ = Floats::set(0), far_distance_;
   std::array<Floats, 3> origin_, direction_;
   std::array<std::uint32_t, 3> octant_{};
   Floats most_origin_, distance_, t_in_, t_out_, depth_;
   std::uint32_t backward_ = 0;
-  // Of rays that begin far away: all, those that pass beside the tree, and those of which floats
-  // know nothing.
+  // The rays that begin far away; of these, the ones that pass beside the tree, and the ones of
+  // which floats know nothing.
   std::uint32_t far_ = 0, beside_ = 0, blind_ = 0;
 };
 
@@ -277,8 +278,8 @@ void tighten(Packet& packet, std::size_t lane) {
   FloatRays& floats = packet.floats;
   const double t =
       packet.best->t[lane] / packet.rays.unit[lane] * packet.scale - floats.shift[lane];
-  // As in set_limits: up by the rounding to float, and by the slack of t, which is less than that
-  // of depths.
+  // t is raised as in set_limits(): by the rounding to float, and by the slack of t, which is less
+  // than that of depths.
   const auto out = static_cast<float>(std::clamp(t, -kLargestT, kLargestT));
   const float t_out = out + std::fabs(out) * 0x1p-23f + floats.slack[lane] * 0x1p-6f;
   floats.t_out[lane] = std::min(floats.t_out[lane], t_out);

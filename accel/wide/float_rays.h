@@ -1,4 +1,4 @@
-// Preparing a packet of rays for float tests in one tree.
+// Prepares a packet of rays for float tests in one tree.
 #pragma once
 
 #include <cstddef>
@@ -12,17 +12,17 @@ namespace sightline::accel::wide {
 /// A plane of a box is off by at most this share of the distances of origin and plane; see
 /// docs/hit_rule.md, section 7.
 inline constexpr float kPlaneError = 0x1.8p-22f;
-/// Components of a direction count as at least this for planes. Then a plane is off by up to the
-/// length of the ray: by kSteepError of that, before the division.
+/// For planes, components of a direction count as at least kLeastDirection. That moves a plane by
+/// at most kSteepError times the length of the ray, before the division.
 inline constexpr float kLeastDirection = 0x1p-60f, kSteepError = 2 * kLeastDirection;
-/// Bounds what is lost to underflow.
+/// A bound on what is lost to underflow.
 inline constexpr float kTiny = 0x1p-110f;
 
 /// Sets packet.floats from its rays, best hits and culling, for rays in `lanes`. Returns
-/// packet.live: those of them that may meet the bounds within their limits. Forgets the candidates.
+/// packet.live: the rays that may meet the bounds within their limits. Forgets the candidates.
 std::uint32_t prepare(Packet& packet, const Frame& frame, std::uint32_t lanes);
 
-/// Lowers the depths that matter to the ray's best hit, after that has changed.
+/// Lowers the ray's limits to its best hit, after that has changed.
 void tighten(Packet& packet, std::size_t lane);
 
 }  // namespace sightline::accel::wide

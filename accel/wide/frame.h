@@ -9,20 +9,20 @@
 
 namespace sightline::accel::wide {
 
-/// What a tree's bounds are to floats: minus the center, times a power of two, which is 1 for trees
-/// with leaf blocks.
+/// The coordinates in which floats see a tree: minus the center, times a power of two, which is 1
+/// for trees with leaf blocks. `bounds` are those of the tree in them.
 struct Frame {
   geometry::Vec3f center;
   geometry::Aabb bounds;
   float scale = 1;
-  bool is_boundless = false;  ///< The tree's bounds are infinite.
+  bool is_boundless = false;  ///< Whether the tree's bounds are infinite.
 };
 
 inline geometry::Aabb in_frame(const Frame& frame, const geometry::Aabb& box) {
   return {(box.lo - frame.center) * frame.scale, (box.hi - frame.center) * frame.scale};
 }
 
-/// The maximum norm of a box.
+/// The largest coordinate of a box, without sign.
 inline float largest_coordinate(const geometry::Aabb& box) {
   float size = 0;
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -34,8 +34,8 @@ inline float largest_coordinate(const geometry::Aabb& box) {
 /// nor lose what counts to underflow.
 inline constexpr float kLeastSize = 0x1p-40f, kLargestSize = 0x1p+60f;
 
-/// Of a tree with these bounds, which are not empty. The scale is not 1 only where the size would
-/// be out of range.
+/// Returns the frame of a tree with these bounds, which are not empty. The scale is not 1 only
+/// where the size would be out of range.
 Frame frame_of(const geometry::Aabb& bounds);
 
 }  // namespace sightline::accel::wide

@@ -1,4 +1,4 @@
-// Columns of any layout become vectors.
+// Reads columns of any layout into vectors.
 #include "accel/wide/given_rays.h"
 
 #include <algorithm>
@@ -23,7 +23,7 @@ using geometry::RealColumn;
 struct RayRange {
   std::size_t first, count;
 
-  /// The last ray stands for those behind it.
+  /// The ray of a lane; the last ray stands for lanes behind it.
   std::size_t ray(std::size_t lane) const { return first + std::min(lane, count - 1); }
 };
 
@@ -37,7 +37,7 @@ bool is_aligned(const RealColumn& column) {
   return reinterpret_cast<std::uintptr_t>(column.data) % alignof(T) == 0;
 }
 
-/// The first eight numbers of each ray are doubles side by side, as in an array of structs.
+/// Whether the first eight numbers of each ray are doubles side by side, as in an array of structs.
 HWY_INLINE bool are_rows(const RayColumns& rays) {
   const RealColumn& x = rays.origin[0];
   const auto follows = [&](const RealColumn& column, std::size_t index) {
@@ -58,7 +58,7 @@ struct Rows {
   const double* operator[](std::size_t lane) const { return first + std::min(lane, last) * stride; }
 };
 
-/// As many rows as vectors have lanes.
+/// The rows of `kCount` lanes, as many as vectors have.
 template <std::size_t kCount>
 HWY_INLINE std::array<const double*, kCount> rows_of(const Rows& rows, std::size_t lane) {
   std::array<const double*, kCount> some;
@@ -66,8 +66,8 @@ HWY_INLINE std::array<const double*, kCount> rows_of(const Rows& rows, std::size
   return some;
 }
 
-// Rows of numbers become columns. As wide as vectors are: a load that is wider than the stores
-// before it would wait for them.
+// Transposes rows of numbers to columns, as wide as vectors are: a load that is wider than the
+// stores before it would wait for them.
 #if HWY_TARGET == HWY_SCALAR
 template <class D>
 HWY_INLINE void turn_rows(const D, const std::array<const double*, 1>& rows,
@@ -104,9 +104,11 @@ template <class D>
 HWY_INLINE void turn_rows(const D d, const std::array<const double*, 8>& rows,
                           const std::array<double*, 8>& columns, std::size_t first) {
   using V = hn::Vec<D>;
-  // Of pairs of rows: the even columns, then the odd ones; two columns of a pair are a block.
+  // Each pair of rows, interleaved: the even columns, then the odd ones. A block has one column of
+  // both rows.
   V pairs[2][4];
-  // In this order, halves that are put together and then mixed by blocks are in the rows' order.
+  // With this order, joining halves and then mixing blocks leaves the numbers in the order of the
+  // rows.
   constexpr std::size_t kOrder[4] = {0, 4, 2, 6};
   for (std::size_t i = 0; i < 4; ++i) {
     const V a = hn::LoadU(d, rows[kOrder[i]]), b = hn::LoadU(d, rows[kOrder[i] + 1]);
@@ -139,7 +141,7 @@ using Floats = Lanes<float, kLanes>;
 HWY_INLINE Doubles in_doubles(const Doubles& x) { return x; }
 HWY_INLINE Doubles in_doubles(const Floats& x) { return to_doubles(x); }
 
-/// x, y, z, x, y, z and so on, of all lanes.
+/// Reads x, y, z, x, y, z and so on, for all lanes.
 template <class T>
 HWY_INLINE void read_interleaved(const T* from, std::array<Column<double>, 3>& out) {
   using Numbers = Lanes<T, kLanes>;
@@ -150,7 +152,7 @@ HWY_INLINE void read_interleaved(const T* from, std::array<Column<double>, 3>& o
   for (std::size_t axis = 0; axis < 3; ++axis) in_doubles(axes[axis]).store(out[axis].data());
 }
 
-/// False: the column is not of such numbers side by side.
+/// Reads a column of numbers T that are side by side; returns false if it is no such column.
 template <class T>
 HWY_INLINE bool read_packed(const RealColumn& column, const RayRange& range, Column<double>& out) {
   if (column.stride != 1 || range.count != kLanes || !is_aligned<T>(column)) return false;
@@ -167,7 +169,7 @@ HWY_INLINE void read_column(const RealColumn& column, const RayRange& range, Col
   for (std::size_t lane = 0; lane < kLanes; ++lane) out[lane] = column[range.ray(lane)];
 }
 
-/// Columns of rows of three such numbers.
+/// Whether the columns are those of rows of three numbers T.
 template <class T>
 HWY_INLINE bool are_interleaved(const std::array<RealColumn, 3>& columns) {
   const RealColumn& x = columns[0];

@@ -1,4 +1,4 @@
-// The rays of a packet as they were asked.
+// The rays of a packet as the caller gave them.
 #pragma once
 
 #include <array>
@@ -10,17 +10,17 @@
 
 namespace sightline::accel::wide {
 
-/// In aligned columns.
+/// The given rays in aligned columns.
 struct GivenRays {
   std::array<Column<double>, 3> origin, direction;
   Column<double> tmin, tmax;
 };
 
-/// Sets the columns from `count` rays of a batch, the first on; at least one and at most kLanes,
-/// and the others repeat the last.
+/// Reads `count` rays of a batch, 1 to kLanes, the first one at index `first`. Lanes behind them
+/// repeat the last.
 void read(const geometry::RayColumns& rays, std::size_t first, std::size_t count, GivenRays& out);
 
-/// From all of these rays.
+/// Reads all of these rays, 1 to kLanes.
 inline void read(std::span<const geometry::Ray> rays, GivenRays& out) {
   read(geometry::columns_of(rays), 0, rays.size(), out);
 }

@@ -1,5 +1,5 @@
-// Rays that run alike, together: their boxes as one, then each ray; triangles that none can meet
-// are left out.
+// Takes rays that run alike through a tree together: tests a box against all of them at once, then
+// against each; leaves out triangles that none can meet.
 #if defined(SIGHTLINE_WIDE_GROUP_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef SIGHTLINE_WIDE_GROUP_INL
 #undef SIGHTLINE_WIDE_GROUP_INL
@@ -25,7 +25,7 @@ namespace HWY_NAMESPACE {
 template <Goal kGoal>
 class Group {
  public:
-  /// Below `together` rays at a node go on alone.
+  /// Where fewer than `together` rays come to a node, each goes on alone.
   HWY_INLINE Group(const Walked& walked, std::uint32_t group, int together)
       : walked_(walked),
         packet_(walked.packet),
@@ -100,8 +100,7 @@ class Group {
 
   HWY_INLINE bool matters(Place& place) const {
     if (place.t > farthest_) return false;
-    place.lanes &=
-        kGoal == Goal::kAny ? ~packet_.best->found : Floats::set(place.t) <= t_out_;
+    place.lanes &= kGoal == Goal::kAny ? ~packet_.best->found : Floats::set(place.t) <= t_out_;
     return place.lanes != 0;
   }
 
@@ -113,7 +112,7 @@ class Group {
     count(lanes, block.triangles);
     const float *x = block.x + x_ * block.vertices, *y = block.x + y_ * block.vertices,
                 *z = block.x + z_ * block.vertices;
-    // For fewer, finding those to leave out takes as long as testing them.
+    // For fewer triangles, finding which to leave out takes as long as testing them.
     constexpr unsigned kMany = 3;
     std::uint32_t left = block.triangles < kMany ? (2u << (block.triangles - 1)) - 1
                                                  : view_.possible(block, x, y, z);
@@ -143,7 +142,7 @@ class Group {
   }
 
  private:
-  /// Takes over what single rays have found.
+  /// Reads the limits of the rays, which others may have lowered.
   HWY_INLINE void read_limits() {
     t_out_ = Floats::load(packet_.floats.t_out.data());
     farthest_ = range_of(packet_.floats.t_out, group_).hi;
@@ -168,7 +167,7 @@ class Group {
     return in <= out;
   }
 
-  /// Returns whether some ray has a nearer hit.
+  /// Takes a verdict by the goal. Returns whether some ray's limits were lowered.
   HWY_INLINE bool take(const std::uint32_t* words, std::uint32_t triangle, const Verdict& verdict) {
     if constexpr (kGoal == Goal::kAny) {
       find(packet_, words, triangle, verdict);
@@ -207,7 +206,7 @@ class Group {
   std::array<Floats, 3> inverse_, near_, far_;
   Floats t_in_, t_out_;
   float farthest_ = 0;
-  std::array<std::size_t, 3> row_;  // of the bounds that the rays meet first, by axis
+  std::array<std::size_t, 3> row_;  // by axis: the row of the bounds that the rays meet first
   std::size_t x_, y_, z_;
 };
 

@@ -64,7 +64,7 @@ class GroupBoxes {
     t_in_ = Boxes::set(range_of(rays.t_in, group).lo);
   }
 
-  /// The children that a ray may meet before t_out, and where the first one may enter.
+  /// Returns the children that a ray may meet before t_out; sets where the first one may enter.
   HWY_INLINE std::uint32_t met(const kdtree::WideNode& node, float t_out, Boxes& in) const {
     in = max(max(near(node, 0), near(node, 1)), max(near(node, 2), t_in_));
     const Boxes out = min(min(far(node, 0), far(node, 1)), min(far(node, 2), Boxes::set(t_out)));

@@ -27,7 +27,7 @@ HWY_INLINE std::uint32_t certain(const Packet& packet, const Verdict& verdict, c
          (high <= Floats::load(rays.sure_high.data()));
 }
 
-/// For queries for any hit: which rays have one in this triangle.
+/// Finds the rays that hit this triangle, for Goal::kAny.
 HWY_INLINE void find(Packet& packet, const std::uint32_t* words, std::uint32_t triangle,
                      const Verdict& verdict) {
   const std::uint32_t found =
@@ -37,8 +37,8 @@ HWY_INLINE void find(Packet& packet, const std::uint32_t* words, std::uint32_t t
     decide(packet, static_cast<std::size_t>(std::countr_zero(left)), words, triangle);
 }
 
-/// For queries for every hit: offers those in this triangle. What is certain is counted without
-/// its t. True: some ray needs no hits any more beyond what it has.
+/// Offers the hits of this triangle, for Goal::kEvery. Where hits are only counted, a certain hit
+/// is counted without its t. Returns whether the limits of some ray were tightened.
 HWY_INLINE bool offer_every(Packet& packet, const std::uint32_t* words, std::uint32_t triangle,
                             const Verdict& verdict) {
   std::uint32_t counted = 0;
@@ -49,7 +49,7 @@ HWY_INLINE bool offer_every(Packet& packet, const std::uint32_t* words, std::uin
   return decide_lanes(packet, verdict.possible & ~counted, words, triangle);
 }
 
-/// Remembers what may be the nearest. True: some ray has a nearer certain hit now.
+/// Remembers pairs that may be nearest hits. Returns whether some ray has a nearer certain hit now.
 HWY_INLINE bool keep(Packet& packet, const std::uint32_t* words, std::uint32_t triangle,
                      const Verdict& verdict) {
   FloatRays& rays = packet.floats;
@@ -62,12 +62,13 @@ HWY_INLINE bool keep(Packet& packet, const std::uint32_t* words, std::uint32_t t
   using Numbers = Lanes<std::uint32_t, kLanes>;
   const Numbers id = Numbers::set(blocks::Block(words).id(triangle)),
                 best_id = Numbers::load(all.best_id.data());
-  // A triangle that lies in several blocks is met again.
+  // A triangle that lies in several blocks may be the best already.
   const std::uint32_t others = ~(all.has_best & equal(best_id, id));
-  // What was the best so far, and may still be; and what is neither certain nor too far.
+  // These rays' former best may still be the nearest; this triangle is open for rays for which it
+  // is neither certain nor too far.
   std::uint32_t best_before =
       nearer & all.has_best & others & (Floats::load(all.best_low.data()) <= limit);
-  // Not "least <= limit": a depth that is not a number is one of which floats know nothing.
+  // "Not above" also includes a depth that is NaN, of which floats know nothing.
   std::uint32_t open = verdict.possible & ~nearer & others & ~(least > limit);
   for (; best_before != 0; best_before &= best_before - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(best_before));

@@ -1,4 +1,4 @@
-// A ray of a packet in doubles, prepared for one tree: for what is not walked in floats.
+// A ray of a packet in doubles, prepared for one tree, for what is not walked in floats.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace sightline::accel::wide {
 
-/// Refers to the packet, whose best hits shorten the ray.
+/// A ray that refers to its packet, whose best hits shorten the ray.
 class LaneRay {
  public:
   LaneRay(const Packet& packet, std::size_t lane, const geometry::Aabb& bounds)
@@ -23,7 +23,7 @@ class LaneRay {
 
   std::size_t lane() const { return lane_; }
   const geometry::LocalRay& local() const { return local_; }
-  /// False: it cannot meet the bounds within its limits, and in_tree() is not set.
+  /// Whether the ray may meet the bounds within its limits; if not, in_tree() is not set.
   bool meets() const { return meets_; }
   const kdtree::TreeRay& in_tree() const { return in_tree_; }
   /// The t beyond which nothing matters any more, widened by the slack.

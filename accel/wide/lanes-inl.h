@@ -17,7 +17,7 @@ namespace sightline::accel::wide {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Comparisons return a bit for each lane.
+/// N numbers. Comparisons return a bit for each lane.
 template <class T, std::size_t N>
 struct Lanes {
   using D = hn::CappedTag<T, N>;
@@ -37,7 +37,7 @@ struct Lanes {
   static HWY_INLINE Lanes set(T x) {
     return each([x](std::size_t) { return hn::Set(D(), x); });
   }
-  /// Of an aligned column.
+  /// Loads from an aligned column.
   static HWY_INLINE Lanes load(const T* from) {
     return each([from](std::size_t i) { return hn::Load(D(), from + i * kPer); });
   }
@@ -63,7 +63,7 @@ struct Lanes {
     }
     return all & kAll;
   }
-  /// The lanes with a bit from `yes`, the others from `no`.
+  /// Takes the lanes with a bit from `yes`, the others from `no`.
   static HWY_INLINE Lanes pick(std::uint32_t chosen, const Lanes& yes, const Lanes& no) {
     return each([&](std::size_t i) {
       const std::uint64_t part = chosen >> (i * kPer);
@@ -115,7 +115,7 @@ struct Lanes {
   friend HWY_INLINE std::uint32_t operator<(const Lanes& a, const Lanes& b) {
     return bits([&](std::size_t i) { return hn::Lt(a.v[i], b.v[i]); });
   }
-  /// Not an operator ==, which would say whether all are equal.
+  /// This is no operator ==, which would say whether all are equal.
   friend HWY_INLINE std::uint32_t equal(const Lanes& a, const Lanes& b) {
     return bits([&](std::size_t i) { return hn::Eq(a.v[i], b.v[i]); });
   }
@@ -134,7 +134,7 @@ struct Lanes {
   }
 };
 
-/// Rounded to nearest.
+/// Converts, rounding to nearest.
 template <std::size_t N>
 HWY_INLINE Lanes<float, N> to_floats(const Lanes<double, N>& x) {
   using From = Lanes<double, N>;

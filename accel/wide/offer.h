@@ -15,14 +15,14 @@ namespace sightline::accel::wide {
 /// A triangle of the mesh that a packet is in.
 struct OfferedTriangle {
   std::uint32_t id = 0;
-  const std::uint32_t* block = nullptr;  ///< Where it lies; null: not known.
-  std::uint32_t index = 0;               ///< In the block.
+  const std::uint32_t* block = nullptr;  ///< The block that it lies in; null if not known.
+  std::uint32_t index = 0;               ///< Its index in the block.
 };
 
 /// Takes a hit of a ray at t, in units of the caller's direction, if it is within the ray's limits.
-/// Nearest or any: if (t, node, id) is less than that of the best hit. Every: adds it to the sink,
-/// once for each cell that it is found in. Culling is the caller's. Returns whether farther hits
-/// matter less than before: then tighten() the ray.
+/// For the nearest or any hit, it replaces the best one if (t, node, id) is less; for every hit, it
+/// is added to the sink, once for each cell that it is found in. The caller does the culling.
+/// Returns whether farther hits matter less than before: then tighten() the ray.
 inline bool offer(Packet& packet, std::size_t lane, double t, const OfferedTriangle& triangle) {
   BestHits& best = *packet.best;
   if (!(t >= packet.rays.tmin[lane] && t <= packet.rays.tmax[lane])) return false;
@@ -55,7 +55,7 @@ inline bool offer(Packet& packet, std::size_t lane, double t, const OfferedTrian
 }
 
 /// Decides by the hit rule whether a ray of the packet, in its mesh's frame, hits the triangle with
-/// these corners; then offers the hit, and returns as that does.
+/// these corners; if so, offers the hit and returns what offer() does.
 inline bool decide(Packet& packet, std::size_t lane, const geometry::LocalRay& ray,
                    const geometry::Vec3f& a, const geometry::Vec3f& b, const geometry::Vec3f& c,
                    const OfferedTriangle& triangle) {

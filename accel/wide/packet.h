@@ -28,7 +28,7 @@ struct Rays {
   Column<double> tmin, tmax;
 };
 
-/// One of them.
+/// One of these rays.
 inline geometry::LocalRay ray_of(const Rays& rays, std::size_t lane) {
   return {{rays.origin[0][lane], rays.origin[1][lane], rays.origin[2][lane]},
           {rays.direction[0][lane], rays.direction[1][lane], rays.direction[2][lane]},
@@ -41,7 +41,8 @@ struct BestHits {
   Column<double> t;
   Column<std::uint64_t> node;
   Column<std::uint32_t> primitive, instance;
-  /// Where the triangle is in a block, relative to this center; null: not known.
+  /// The block that the triangle lies in, null if not known; its index there; the center of the
+  /// block's frame.
   Column<const std::uint32_t*> block;
   Column<std::uint8_t> triangle;
   Column<geometry::Vec3f> center;
@@ -59,25 +60,27 @@ struct BestHits {
 /// all errors.
 struct FloatRays {
   std::array<Column<float>, 3> origin, inverse;
-  /// The t of these origins, from which t counts here: 0 unless a ray begins too far away for
-  /// floats. How far off they are, beside their rounding to floats.
+  /// `shift` is the t of these origins, from which t counts here: 0 unless a ray begins too far
+  /// away for floats. `off` is the error of these origins, beside their rounding to floats.
   Column<double> shift;
   Column<float> off;
-  /// A plane at b is passed at b * inverse + near, or earlier; and at b * inverse + far, or later.
+  /// The t at which a ray crosses a plane at b is at least b * inverse + near, and at most b *
+  /// inverse + far.
   std::array<Column<float>, 3> near, far;
   Column<float> t_in, t_out;  ///< Where the ray may meet the tree within its limits.
   /// Bits 0..2: the signs of the direction. Bits 3 and up: the axis of its largest component.
   Column<std::uint32_t> key;
-  /// The origin in the order of axes that begins behind the largest; `z` is turned to grow along
-  /// the ray, by `sign`.
+  /// The origin with axes in the order that ends with that of the direction's largest component:
+  /// `z` is along it, times `sign`, and so grows along the ray.
   Column<float> x, y, z, sign;
   Column<float> shear_x, shear_y;     ///< How the ray is sheared to run along z.
   Column<float> error;                ///< Twice the error of the origin.
-  Column<float> slack;                ///< Bounds the error of a depth, as far as it is the ray's.
+  Column<float> slack;                ///< A bound on the ray's part of the error of a depth.
   Column<float> low, high;            ///< Depths outside are certain not to matter.
   Column<float> sure_low, sure_high;  ///< Depths inside are certain to be within the ray's limits.
-  Column<float> per_depth;            ///< t (local) for a unit of depth.
-  Column<float> cull;  ///< 1 or -1: the sign of a determinant on the ignored side; 0: none is.
+  Column<float> per_depth;            ///< Local t for a unit of depth.
+  /// The sign of a determinant on the ignored side, 1 or -1; 0 if there is none.
+  Column<float> cull;
 };
 
 /// A triangle of each ray, relative to the tree's center.
@@ -85,15 +88,17 @@ struct LaneTriangles {
   std::array<Column<float>, 3> a, b, c;
 };
 
-/// Pairs of a ray and a triangle that floats leave undecided.
+/// The number of undecided pairs that are kept for each ray.
 inline constexpr std::size_t kCandidates = 8;
+
+/// Pairs of a ray and a triangle that floats leave undecided.
 struct Candidates {
   /// The best certain hit by floats, and the least depth that it may have.
   Column<const std::uint32_t*> best_block;
   Column<std::uint32_t> best_triangle, best_id;
   Column<float> best_low;
   std::uint32_t has_best = 0;
-  /// Others that may be better.
+  /// Other triangles that may be nearer.
   std::array<std::array<const std::uint32_t*, kCandidates>, kLanes> block;
   std::array<std::array<float, kCandidates>, kLanes> low;
   std::array<std::array<std::uint8_t, kCandidates>, kLanes> triangle;
@@ -107,8 +112,8 @@ enum class Goal : std::uint8_t {
   kEvery,    ///< Every hit; it goes to the ray's sink.
 };
 
-/// Where the hits of one ray go that asks for every one: to the list, or, where they are only
-/// counted, to the primitives. Either for all rays of a packet.
+/// Where the hits of a ray that asks for every one go: to the list or, if they are only counted, to
+/// the primitives. All rays of a packet do the same.
 struct HitSink {
   UniqueHits<ListedHit>* list = nullptr;
   UniqueHits<std::uint32_t>* primitives = nullptr;
@@ -117,26 +122,27 @@ struct HitSink {
 /// A packet on its way through one tree.
 struct Packet {
   Rays rays;
-  BestHits* best = nullptr;  ///< Shared by the packets of the same rays in other frames. For
-                             ///< Goal::kEvery, t is that beyond which hits are not needed.
+  /// The best hits, shared by the packets of the same rays in other frames. For Goal::kEvery, t is
+  /// the one beyond which hits are not needed.
+  BestHits* best = nullptr;
   FloatRays floats;
   Candidates candidates;
-  // The question; equal for all rays.
+  // The question is equal for all rays.
   Goal goal = Goal::kNearest;
   geometry::Culling culling = geometry::Culling::kNone;
   std::uint64_t node = 0;
   std::uint32_t instance = 0;
-  std::span<const HitSink> sinks;  ///< By ray, for Goal::kEvery.
-  geometry::Vec3f center;          ///< Of the tree.
-  double scale = 1;                ///< Of its frame.
+  std::span<const HitSink> sinks;  ///< The sink of each ray, for Goal::kEvery.
+  geometry::Vec3f center;          ///< The center of the tree's frame.
+  double scale = 1;                ///< The scale of the tree's frame.
   float extent = 0;                ///< The largest coordinate of the tree's bounds in its frame.
   std::uint32_t live = 0;      ///< The rays that floats describe; they may meet the tree's bounds.
   Column<std::uint32_t> work;  ///< Nodes visited and triangles tested, by ray.
   std::uint32_t saw_deferred = 0;  ///< Rays that met a cell which was skipped or searched.
   std::uint32_t suspended = 0;     ///< Rays that wait for a cell of the scene's tree.
-  bool stopped = false;            ///< All rays wait, or are cancelled: the answers mean nothing.
+  bool stopped = false;  ///< Whether all rays wait or are cancelled; then the answers mean nothing.
 
-  /// Those of `lanes` whose answer may still change.
+  /// The rays of `lanes` whose answer may still change.
   std::uint32_t left(std::uint32_t lanes) const {
     if (stopped) return 0;
     return lanes & ~suspended & ~(goal == Goal::kAny ? best->found : 0);

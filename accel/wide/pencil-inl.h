@@ -51,7 +51,7 @@ class PencilBoxes {
     sign_ = Boxes::set(point.sign);
   }
 
-  /// The children that some ray may meet between two depths, and where they begin.
+  /// Returns the children that some ray may meet between two depths; sets where they begin.
   HWY_INLINE std::uint32_t met(const kdtree::WideNode& node, float nearest, float farthest,
                                Boxes& begin) const {
     const Boxes zero = Boxes::set(0);
@@ -62,7 +62,7 @@ class PencilBoxes {
   }
 
  private:
-  /// Those that lie neither wholly to one side nor to the other.
+  /// The children that do not lie wholly to one side of all rays, along axis k.
   HWY_INLINE std::uint32_t beside(const kdtree::WideNode& node, std::size_t k, const Boxes& begin,
                                   const Boxes& end) const {
     const Boxes lo = Boxes::load(node.bounds[row_[k]].data()) - at_more_[k],
@@ -102,7 +102,7 @@ class Pencil {
     Child at;
   };
 
-  /// False: not all of the tree is finished, or it is more than suits a pencil.
+  /// Returns false if the rays come to a cell that is not built, or to too many blocks.
   HWY_INLINE bool walk(Child root) {
     walk_tree(*this, {0, root});
     if (gave_up_) return false;
@@ -128,7 +128,7 @@ class Pencil {
   }
 
   HWY_INLINE bool enter(Place& place) {
-    if (place.at.is_list()) return false;  // an empty one
+    if (place.at.is_list()) return false;  // which is empty
     const kdtree::Slot now = kdtree::load(place.at.slot());
     gave_up_ = !now.is_finished();
     if (!gave_up_) place.at = Child::final(now.finished()->enter());
@@ -155,7 +155,7 @@ class Pencil {
     std::uint32_t lowered = 0;
     for (; left != 0; left &= left - 1) {
       const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
-      // All packets at once, so that none waits for another's branch.
+      // All packets are tested at once, so that none waits for another's branch.
       std::array<std::uint32_t, kPencilPackets> possible;
       for (std::size_t p = 0; p < kPencilPackets; ++p)
         possible[p] = lanes_[p] & planes_.met(i, Floats::load(slopes_x_[p].data()),
@@ -173,10 +173,12 @@ class Pencil {
   }
 
  private:
-  /// Of more blocks, most are met by few of the rays.
+  /// A pencil meets at most this number of blocks; most of any others would be met by few of its
+  /// rays.
   static constexpr std::size_t kMostBlocks = 32;
 
-  /// Of rays that may meet a triangle. True: the depths that matter have changed.
+  /// Decides a triangle for rays that may meet it. Returns whether the depths that matter have
+  /// changed.
   HWY_INLINE bool test(std::size_t p, std::uint32_t lanes, const std::uint32_t* words,
                        std::uint32_t i) {
     Packet& packet = packets_[p];
@@ -196,7 +198,7 @@ class Pencil {
     }
   }
 
-  /// The depths that matter to a packet.
+  /// Reads the depths that matter to a packet.
   HWY_INLINE void read_depths(std::size_t p) {
     const FloatRays& rays = packets_[p].floats;
     const Floats most = Floats::set(std::numeric_limits<float>::max());

@@ -1,4 +1,4 @@
-// A pencil is looked for among the rays of some packets, and walks.
+// Looks for a pencil among the rays of some packets, and takes it through the tree.
 #include "accel/wide/pencil.h"
 
 #include <bit>
@@ -18,7 +18,7 @@ HWY_BEFORE_NAMESPACE();
 namespace sightline::accel::wide {
 namespace HWY_NAMESPACE {
 
-/// Fewer rays than this go on as packets.
+/// A pencil has at least this number of rays; fewer go on as packets.
 constexpr int kLeastPencil = 8;
 
 int count(const PencilLanes& lanes) {

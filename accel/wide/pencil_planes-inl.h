@@ -76,7 +76,7 @@ class PencilPlanes {
     return ~((most(ab, bc, ca) > bound) & (least(ab, bc, ca) < neg(bound)));
   }
 
-  /// Of one triangle, for rays with these slopes.
+  /// The edges of one triangle, as rays with these slopes see them.
   HWY_INLINE Edges edges(std::size_t i, const Floats& x, const Floats& y) const {
     return {plane(0, i, x, y),        plane(1, i, x, y),         plane(2, i, x, y),
             Floats::set(bound_[i]),   Floats::set(depth_[0][i]), Floats::set(depth_[1][i]),
@@ -105,8 +105,8 @@ class PencilPlanes {
     }
   };
 
-  /// Vertices relative to the point, sheared so that the first ray runs along z; and as they are. z
-  /// grows along the rays' way from the point.
+  /// Reads vertices: `seen` are relative to the point, and sheared so that the first ray runs along
+  /// z; `given` are as they are. z grows along the rays' way from the point.
   HWY_INLINE void read(const blocks::Block& block, Vertices& seen, Vertices& given) const {
     const auto axis = [&](std::size_t k) {
       return Floats::load_unaligned(block.x + point_.axis[k] * block.vertices);
@@ -143,14 +143,14 @@ class PencilPlanes {
   struct Interval {
     Floats lo, hi;
   };
-  /// Of a plane over all rays.
+  /// The range of a plane's values over all rays.
   HWY_INLINE Interval over_rays(const Corner& plane) const {
     const Floats a = plane.x * lo_[0], b = plane.x * hi_[0], c = plane.y * lo_[1],
                  d = plane.y * hi_[1];
     return {min(a, b) + (min(c, d) + plane.z), max(a, b) + (max(c, d) + plane.z)};
   }
 
-  /// The triangles that all rays pass on one side of an edge, on which the triangle is not.
+  /// The triangles that lie to one side of all rays, by one of their edges.
   HWY_INLINE std::uint32_t beside(const std::array<Corner, 3>& planes, const Floats& bound) const {
     const Interval ab = over_rays(planes[0]), bc = over_rays(planes[1]), ca = over_rays(planes[2]);
     const Interval whole =
@@ -170,7 +170,7 @@ class PencilPlanes {
   const Point& point_;
   std::array<Floats, 2> lo_, hi_, slope_;
   Floats per_width_, per_depth_, beside_, tiny_;
-  // Of the triangles of a block: planes by edge, and depths of corners.
+  // The planes of a block's triangles by edge, and the depths of their corners.
   alignas(64) std::array<std::array<float, 16>, 3> x_, y_, z_, depth_;
   alignas(64) std::array<float, 16> bound_;
 };

@@ -26,22 +26,25 @@ namespace HWY_NAMESPACE {
 
 /// Slopes of a pencil are at most this.
 constexpr double kLargestSlope = 2;
-/// Points, trees and rays beyond would overflow products.
+/// Points, trees and rays with larger coordinates would overflow products.
 constexpr double kLargestPencil = 0x1p+50;
 /// Ends of rays that are closer to each other, relative to the rays' size, are one point.
 constexpr double kOneEnd = 0x1p-23;
 
-/// What the rays of a pencil share. Axes are in the order that begins behind the main axis, which
-/// is turned so that the rays go from the point along it.
+/// What the rays of a pencil share. Axes are in the order that ends with the main axis, which is
+/// turned so that the rays go from the point along it.
 struct Point {
-  std::array<std::size_t, 3> axis;  ///< The main axis last.
-  bool backward;                    ///< The rays go down along the main axis.
+  std::array<std::size_t, 3> axis;  ///< The axes, the main axis last.
+  bool backward;                    ///< Whether rays go down along the main axis.
   float sign;                       ///< -1 where the way from the point goes down along it, else 1.
-  std::array<double, 3> at;         ///< Relative to the center of the tree.
+  std::array<double, 3> at;         ///< The point, relative to the center of the tree.
   float error;                      ///< How far off rays may run, on each axis.
-  double reach;                     ///< From the point to the rays' origins.
-  double size;                      ///< The largest coordinate of the point and the tree.
-  std::array<double, 2> slope;  ///< The first ray's, on the other axes for a unit of the main one.
+  /// The largest coordinate of the rays' origins, or of their ways to the point; 0 if they come
+  /// from it.
+  double reach;
+  double size;  ///< The largest coordinate of the point and the tree.
+  /// The first ray's slopes, on the other axes for a unit of the main one.
+  std::array<double, 2> slope;
 };
 
 /// A pencil's first ray.
@@ -55,7 +58,7 @@ struct FirstRay {
   }
 };
 
-/// Of powers of two.
+/// The inverse of a power of two.
 HWY_INLINE Doubles inverse_of_power(const Doubles& x) {
   return Doubles::each([&](std::size_t i) {
     const Doubles::D d;
@@ -67,11 +70,11 @@ HWY_INLINE Doubles inverse_of_power(const Doubles& x) {
 
 class PencilRays {
  public:
-  /// `lanes` are reduced to those of one pencil.
+  /// The rays in `lanes` are reduced to a pencil.
   HWY_INLINE PencilRays(std::span<Packet> packets, const Frame& frame, PencilLanes& lanes)
       : packets_(packets), frame_(frame), lanes_(lanes) {}
 
-  /// For rays with one origin.
+  /// Keeps rays with one origin; returns whether they are a pencil.
   HWY_INLINE bool from_origin() {
     if (!is_left()) return false;
     const FirstRay first(lanes_);
@@ -91,7 +94,7 @@ class PencilRays {
     return is_left() && set_point(origin, 0, false);
   }
 
-  /// For rays with one end.
+  /// Keeps rays with one end; returns whether they are a pencil.
   HWY_INLINE bool toward_end() {
     if (!is_left()) return false;
     const FirstRay first(lanes_);
@@ -144,7 +147,7 @@ class PencilRays {
   }
 
   Point point;
-  std::array<float, 2> spread_lo, spread_hi;  ///< Of the slopes that set_floats() sets.
+  std::array<float, 2> spread_lo, spread_hi;  ///< Bounds of the slopes of set_floats().
 
  private:
   HWY_INLINE bool is_left() const {
@@ -153,15 +156,15 @@ class PencilRays {
     return any != 0;
   }
 
-  /// Whether the first ray of the last packet does, too: most rays that do not start at one point
-  /// need no further look.
+  /// Whether the first ray of the last packet starts at this origin: most rays that do not start at
+  /// one point need no further test.
   HWY_INLINE bool starts_at(const std::array<double, 3>& origin) const {
     const Rays& rays = packets_.back().rays;
     return rays.origin[0][0] == origin[0] && rays.origin[1][0] == origin[1] &&
            rays.origin[2][0] == origin[2];
   }
 
-  /// The rays that end there; `most_off` becomes the largest difference.
+  /// Returns the rays that end there; raises `most_off` and point.reach.
   HWY_INLINE std::uint32_t ending_at(const Rays& rays, const std::array<double, 3>& end,
                                      double size, double& most_off) {
     const Doubles per = inverse_of_power(Doubles::load(rays.unit.data()));
@@ -182,7 +185,8 @@ class PencilRays {
     return there;
   }
 
-  /// The axes, by the first ray, and the rays that run along them. `toward`: to the point.
+  /// Sets the point and its axes by the first ray, and keeps the rays that run along the main axis.
+  /// `toward`: rays run to the point. Returns whether coordinates are in range.
   HWY_INLINE bool set_point(const std::array<double, 3>& at, double error, bool toward) {
     const FirstRay first(lanes_);
     const Rays& rays = packets_[first.packet].rays;
@@ -215,12 +219,12 @@ class PencilRays {
     return std::max(size, point.reach) <= kLargestPencil;
   }
 
-  /// Limits of depth, from the point on.
+  /// Sets the limits of depth, counted from the point.
   HWY_INLINE void set_limits(Packet& packet, const Doubles& along, bool from_origin) const {
     const Rays& rays = packet.rays;
     FloatRays& out = packet.floats;
     const Doubles per_t = along * inverse_of_power(Doubles::load(rays.unit.data()));
-    // A hit whose t is too large for a double is none.
+    // A hit whose t overflows a double is no hit.
     const Doubles tmin = Doubles::load(rays.tmin.data()),
                   tmax = min(Doubles::load(rays.tmax.data()),
                              Doubles::set(std::numeric_limits<double>::max())),
@@ -252,7 +256,7 @@ class PencilRays {
     return (distance + reach) * 0x1p-21f + (origin * 0x1p-22f + (2 * point.error + kTiny));
   }
 
-  /// As for packets: by the direction of the rays, also where they go toward the point.
+  /// Sets the ignored side by the direction of the rays, also where they go toward the point.
   HWY_INLINE void set_culling(Packet& packet) const {
     const geometry::Culling culling = packet.culling;
     const float sign = point.backward ? -1.0f : 1.0f;

@@ -1,4 +1,5 @@
-// One ray at a time: eight boxes at once, then the triangles of a block at once.
+// Takes one ray at a time through a tree: tests eight boxes at once, then the triangles of a block
+// at once.
 #if defined(SIGHTLINE_WIDE_SINGLE_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef SIGHTLINE_WIDE_SINGLE_INL
 #undef SIGHTLINE_WIDE_SINGLE_INL
@@ -161,7 +162,7 @@ class Single {
     const std::size_t base = stack.size();
     for (; others != 0; others &= others - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(others));
-      // Exchanged without a branch, which would be mispredicted half of the time.
+      // The two are exchanged without a branch, which would be mispredicted half of the time.
       const std::uint64_t swap = t[i] < nearest.t ? ~std::uint64_t{0} : 0;
       const std::uint64_t child = parent.child(i).bits();
       const std::uint64_t changed = (nearest.at.bits() ^ child) & swap;
@@ -205,15 +206,16 @@ class Single {
       const float slack = rays.slack[lane_];
       for (; open != 0; open &= open - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(open));
-        // Also a depth that is not a number, of a triangle of which floats know nothing.
+        // The negation also includes a depth that is NaN, of a triangle of which floats know
+        // nothing.
         if (!(from[i] - slack > rays.high[lane_]) && !is_best(blocks::Block(words).id(i)))
           remember(packet_, lane_, words, static_cast<std::uint32_t>(i), from[i] - slack);
       }
     }
   }
 
-  /// Takes a certain hit between two depths as the nearest, if it is; what was the nearest may
-  /// still be, and is remembered.
+  /// Takes a certain hit between two depths as the best candidate if it is nearer. The former best
+  /// may still be the nearest, and is then remembered.
   bool is_nearer(const std::uint32_t* words, std::uint32_t triangle, float from, float to) {
     FloatRays& rays = packet_.floats;
     const float slack = rays.slack[lane_];
@@ -232,13 +234,13 @@ class Single {
     return true;
   }
 
-  /// A triangle that lies in several blocks is met again.
+  /// Whether the triangle is the best candidate: one that lies in several blocks is met again.
   bool is_best(std::uint32_t id) const {
     const Candidates& all = packet_.candidates;
     return (all.has_best >> lane_ & 1) != 0 && all.best_id[lane_] == id;
   }
 
-  /// There is a hit at this depth or before.
+  /// Lowers the limits, as there is a hit at this depth or before.
   void lower(float high) {
     FloatRays& rays = packet_.floats;
     if (!(high < rays.high[lane_])) return;
@@ -252,7 +254,7 @@ class Single {
   std::size_t lane_;
   std::array<Boxes, 3> inverse_, near_, far_;
   Boxes t_in_;
-  std::array<std::size_t, 3> first_;  // row of the bounds that the ray meets first, by axis
+  std::array<std::size_t, 3> first_;  // by axis: the row of the bounds that the ray meets first
   std::size_t x_, y_, z_;
   std::uint64_t nodes_ = 0, triangles_ = 0;
 };

@@ -1,4 +1,4 @@
-// Doubles in columns, not fused; geometry::barycentric computes what doubles lose.
+// Computes in columns of doubles, not fused; geometry::barycentric computes what doubles lose.
 #include "accel/wide/surface.h"
 
 #include <bit>
@@ -39,12 +39,12 @@ HWY_INLINE void store_floats(const Doubles& x, Column<float>& out) {
   to_floats(x).store(out.data());
 }
 
-/// Between 0 and 1, without negative zero.
+/// Clamps numbers to [0, 1], without negative zero.
 HWY_INLINE Doubles clamped(const Doubles& x) {
   return min(max(x, Doubles::set(0)), Doubles::set(1)) + Doubles::set(0);
 }
 
-/// Returns the lanes whose weights need more than doubles.
+/// Sets weights; returns the lanes that need more than doubles.
 HWY_INLINE std::uint32_t set_weights(const Rays& rays, const BestHits& hits,
                                      const HitTriangles& triangles, Surfaces& out) {
   const Vectors o = load(rays.origin), d = load(rays.direction);

@@ -9,8 +9,9 @@
 namespace sightline::accel::wide {
 
 struct Surfaces {
-  Column<float> u, v;  ///< As geometry::Barycentric.
-  /// Of length 1, in the frame that `matrix` leads from; where it has none, `no_normal` has a bit.
+  Column<float> u, v;  ///< Weights, as in geometry::Barycentric.
+  /// The normals, of length 1, in the frame that `matrix` leads from; `no_normal` has a bit where a
+  /// triangle has none.
   std::array<Column<float>, 3> normal;
   std::uint32_t no_normal = 0;
 };

@@ -35,8 +35,8 @@ class UniqueHits {
     return true;
   }
 
-  /// Valid after an add that returned true: greater values will not be kept. Null while fewer than
-  /// `limit` are kept.
+  /// The greatest kept value, after an add that returned true: greater values will not be kept.
+  /// Null while fewer than `limit` are kept.
   const T* greatest() const { return values_.size() == limit_ ? &values_.back() : nullptr; }
 
   /// The kept values, ascending. Valid until the next add.

@@ -30,10 +30,10 @@ struct Limits {
 };
 
 struct Verdict {
-  std::uint32_t possible =
-      0;  ///< Not certainly missed, nor certainly at a depth that does not help.
-  std::uint32_t certain = 0;  ///< Of these: certainly hit.
-  Floats depth, off;          ///< Of hits: where, and how far that may be off.
+  /// Pairs that are not certainly missed, nor certainly at a depth that does not help.
+  std::uint32_t possible = 0;
+  std::uint32_t certain = 0;  ///< The possible pairs that are certainly hit.
+  Floats depth, off;          ///< The depth of hits, and how far it may be off.
 };
 
 HWY_INLINE Floats most(const Floats& a, const Floats& b, const Floats& c) {
@@ -66,14 +66,15 @@ HWY_INLINE bool judge(const Edges& edges, const Limits& limits, std::uint32_t la
   const Floats weights = share + Floats::set(1);
   out.off = mul_add(share, far - near, deepest * Floats::set(0x1p-20f) * weights * weights);
   out.possible &= ~(((out.depth - out.off) > limits.high) | ((out.depth + out.off) < limits.low));
-  // The least is above the bound, or the greatest below its negative.
+  // All determinants certainly have one sign: the least is above the bound, or the greatest below
+  // its negative.
   const std::uint32_t one_sign = (zero - smallest > bound) | (zero - greatest > bound);
   out.possible &= ~(one_sign & (whole * limits.cull > zero));
   out.certain = out.possible & one_sign;
   return out.possible != 0;
 }
 
-/// As above for corners that the rays see.
+/// Decides by the corners that the rays see.
 HWY_INLINE bool judge(const std::array<Corner, 3>& corners, const Limits& limits,
                       std::uint32_t lanes, Verdict& out) {
   const auto& [a, b, c] = corners;

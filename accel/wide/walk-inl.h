@@ -36,7 +36,7 @@ class Stack {
   HWY_INLINE const Place& pop() { return places_[--size_]; }
 
  private:
-  /// A tree above finished subtrees, both of at most kMostLevels.
+  /// A path above finished subtrees and one in such a subtree have at most kMostLevels nodes each.
   static constexpr std::size_t kMost =
       2 * kdtree::kMostLevels * (kdtree::kWidth - 1) + kdtree::kWidth;
 
@@ -46,7 +46,8 @@ class Stack {
 
 /// Takes rays through the tree below a place, to the nearest children first. `Rays` has
 ///   struct Place { float t; Child at; ... }
-///   bool visit_node(Place&, Stack<Place>&)  goes on to the nearest child that is met, and pushes the
+///   bool visit_node(Place&, Stack<Place>&)  goes on to the nearest child that is met, and pushes
+///   the
 ///                                           others; false: there is none
 ///   void visit_block(const Place&)
 ///   bool enter(Place&)         goes on where a slot or a list leads; false: nowhere

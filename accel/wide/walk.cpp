@@ -1,4 +1,5 @@
-// Packets of up to sixteen rays where their directions agree, and single rays elsewhere.
+// Takes packets of up to sixteen rays whose directions agree through a tree, and single rays
+// elsewhere.
 #include "accel/wide/walk.h"
 
 #include <array>
@@ -22,7 +23,7 @@ HWY_BEFORE_NAMESPACE();
 namespace sightline::accel::wide {
 namespace HWY_NAMESPACE {
 
-/// Rays that visit a node together; fewer go on alone.
+/// At least this number of rays visit a node together; fewer go on alone.
 constexpr int kTogether = 4;
 
 /// The rays whose directions agree in their signs and largest component with the first one's.
@@ -88,7 +89,7 @@ std::uint32_t meeting(const Packet& packet, const geometry::Aabb& box, std::uint
 
 void walk(Packet& packet, Child root, std::uint32_t lanes, const Leaf& leaf,
           kdtree::WalkCounters& counters) {
-  // Before the rays part into groups.
+  // Slots that are not finished are entered before the rays part into groups.
   while (root && !root.is_node() && !root.is_block()) root = enter(root, lanes, leaf);
   if (!root) return;
   HWY_DYNAMIC_DISPATCH(walk_packet)({packet, leaf, counters}, root, lanes);

@@ -11,12 +11,13 @@
 
 namespace sightline::accel::wide {
 
-/// What a walk asks where it comes to something else than nodes and blocks. Refers to a policy with
+/// A leaf policy, which a walk asks where it comes to something else than nodes and blocks. It
+/// refers to an object with
 ///   Child enter(kdtree::AtomicSlot& slot, std::uint32_t lanes)
 ///   void visit(std::span<const std::uint32_t> list, std::uint32_t lanes)
 /// The first takes these rays through what lies below a slot that is not finished, and returns
-/// where they go on together; nothing: nowhere. The second takes them to the references of a leaf.
-/// Both may set Packet::stopped.
+/// where they go on together, or nothing. The second takes them to the references of a leaf. Both
+/// may set Packet::stopped.
 class Leaf {
  public:
   template <class Policy>
@@ -35,7 +36,7 @@ class Leaf {
   Child (*enter_)(void* policy, Child at, std::uint32_t lanes);
 };
 
-/// Where rays go on from what is neither a node nor a block.
+/// Returns where rays go on from what is neither a node nor a block, or nothing.
 inline Child enter(Child at, std::uint32_t lanes, const Leaf& leaf) {
   if (!at.is_list()) {
     const kdtree::Slot now = kdtree::load(at.slot());
@@ -51,7 +52,7 @@ struct Walked {
   kdtree::WalkCounters& counters;
 };
 
-/// Those of `lanes` that may meet a box, relative to the center, before their best hits.
+/// The rays of `lanes` that may meet a box, which is in the tree's frame, before their best hits.
 std::uint32_t meeting(const Packet& packet, const geometry::Aabb& box, std::uint32_t lanes);
 
 /// Takes the rays in `lanes`, which prepare() has found live, through the tree below `root`. By

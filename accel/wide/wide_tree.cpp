@@ -1,4 +1,4 @@
-// Compiling binary hierarchies into wide trees: first what becomes a node, then the nodes.
+// Compiles binary hierarchies into wide trees: decides what becomes a node, then makes the nodes.
 #include "accel/wide/wide_tree.h"
 
 #include <algorithm>
@@ -29,7 +29,7 @@ constexpr std::size_t kTail = blocks::kBlockSlack;
 /// The children of what will be one wide node.
 struct Collapsed {
   std::array<const Node*, kWidth> children{};
-  /// Of the children that are inner nodes: the index of their own entry.
+  /// The index of the entry of each child that is an inner node.
   std::array<std::uint32_t, kWidth> index{};
 };
 
@@ -38,18 +38,18 @@ float area(const geometry::Aabb& box) {
   return x * y + y * z + z * x;
 }
 
-/// The children of a wide node: those of a binary one, and what is below them, as far as there is
-/// room.
+/// Chooses the children of a wide node: the two of a binary node, then what is below them, while
+/// there is room.
 class Children {
  public:
   explicit Children(const Node& node) {
     add(node.left);
     add(node.right);
-    // What gains most for the room that it takes. A subtree with few leaves needs no node if there
-    // is room for all of them.
+    // The child that gains most for the slots that it takes is opened first. A subtree with few
+    // leaves is replaced by all of them if there is room, and needs no node.
     while (open(best([&](const Node& child) { return gain(child); }))) {
     }
-    // Leaves of subtrees that remain.
+    // Slots that are left go to the largest children with a leaf directly below.
     while (count_ < kWidth && open(best([](const Node& child) {
              const bool with_leaf = !child.leaf() && (child.left->leaf() || child.right->leaf());
              return with_leaf ? area(child.box) : 0;
@@ -79,7 +79,8 @@ class Children {
     return best;
   }
 
-  /// Area of a box that rays need not enter first, for each child more.
+  /// The area of the child's box, which rays need not meet first once it is opened, for each slot
+  /// that opening takes.
   float gain(const Node& child) const {
     if (child.leaf()) return 0;
     const std::size_t more = child.leaves > kWidth ? 1 : child.leaves - std::size_t{1};
@@ -141,7 +142,7 @@ class Collapse {
   std::size_t words_ = 0;
 };
 
-/// Aligned to huge pages where they save address translations.
+/// Allocates memory, aligned to huge pages where they save address translations.
 std::byte* allocate(std::size_t bytes) {
   const bool huge = bytes >= 4 * blocks::kHugePage;
   const std::size_t alignment = huge ? blocks::kHugePage : alignof(WideNode);
@@ -151,8 +152,8 @@ std::byte* allocate(std::size_t bytes) {
   return static_cast<std::byte*>(memory);
 }
 
-/// The slots of leaves. Copies their words one behind the other, unless there is no memory for
-/// copies.
+/// Makes the slots of leaves. Copies their words one behind the other to `copies`, unless that is
+/// null.
 class Leaves {
  public:
   Leaves(LeafKind kind, std::uint32_t* copies) : kind_(kind), next_(copies) {}
@@ -171,7 +172,8 @@ class Leaves {
   std::uint32_t* next_;
 };
 
-/// Exact: the bounds of the tree are within a factor of two of the center, or that is 0.
+/// The box relative to the center. This is exact: the bounds of the tree are within a factor of two
+/// of the center, or that is 0.
 geometry::Aabb relative(geometry::Aabb box, const geometry::Vec3f& center) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     box.lo[axis] = blocks::relative(box.lo[axis], center[axis]);
@@ -203,7 +205,8 @@ void each_id(Slot leaf, const Visit& visit) {
   for (std::size_t i = 0; i < block.triangles; ++i) visit(block.id(i));
 }
 
-/// `share`: of the random lines that meet the tree's bounds, those that meet this box.
+/// Adds the metrics below a slot. A random line that meets the tree's bounds meets this box with
+/// probability `share`.
 void measure_below(Slot at, double share, double root_area, int depth, kdtree::TreeMetrics& m) {
   if (!at) return;
   ++m.nodes;

@@ -17,18 +17,18 @@ namespace sightline::accel::wide {
 /// What the leaves of a subtree are.
 enum class LeafKind : std::uint8_t { kBlocks, kLists };
 
-/// Never changes but for its last use. Threads: any.
+/// A finished subtree of wide nodes. It never changes except for its last use. Threads: any.
 class WideTree final : public kdtree::FinishedSubtree {
  public:
   /// Compiles a hierarchy of at most kdtree::kMostLevels levels; blocks are relative to `center`.
   /// The largest child is opened until a node is full (Wald et al. 2008). Throws std::bad_alloc.
   WideTree(const blocks::Node& root, const geometry::Vec3f& center,
            LeafKind kind = LeafKind::kBlocks);
-  /// As above, and keeps the blocks where they are: `words` owns their memory.
+  /// Compiles a hierarchy, and keeps the blocks where they are: `words` owns their memory.
   WideTree(const blocks::Node& root, const geometry::Vec3f& center, blocks::Chunks words);
 
   const geometry::Vec3f& center() const { return center_; }
-  /// Of all below, in mesh coordinates.
+  /// The box of the subtree, in mesh coordinates.
   const geometry::Aabb& box() const { return box_; }
 
   std::uint64_t size_in_bytes() const override;

@@ -72,7 +72,7 @@ Result<Applied> send_once(const Connection& connection, const v1::ApplyUpdatesRe
                  response.replayed()};
 }
 
-// Safe to repeat: every request has an id, and the server applies an id once.
+// Sends a request, which is safe to repeat: each has an id, and the server applies an id once.
 Result<Applied> send(const Connection& connection, const v1::ApplyUpdatesRequest& request) {
   Backoff backoff(kApplyAttempts);
   while (true) {
@@ -139,7 +139,7 @@ class Batches {
   int sent_ = 0;
   v1::ApplyUpdatesRequest request_;
   wire::NodeAliases aliases_;
-  std::vector<NodeRef> puts_;  // of the message that is being filled
+  std::vector<NodeRef> puts_;  // in the message that is being filled
   std::size_t bytes_ = 0;
   Applied total_;
 };

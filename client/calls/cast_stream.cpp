@@ -75,12 +75,12 @@ class Answers {
   Answers(const Messages& messages, HitFields fields, QueryKind kind, const HitSink& sink)
       : messages_(messages), fields_(fields), kind_(kind), sink_(sink) {}
 
-  /// The message that is to be answered next, wholly or from some ray on.
+  /// The message that is answered next, wholly or from some ray on.
   std::uint64_t message() const { return message_; }
   const CastReport& report() const { return report_; }
   bool has_begun() const { return !report_.token.empty(); }
 
-  /// A new stream begins with message().
+  /// Notes that a new stream begins with message().
   void begin_again() { seen_ = 0; }
 
   /// Returns whether the message is answered.
@@ -130,8 +130,8 @@ class Answers {
   CastReport report_;
   std::uint64_t message_ = 0;
   std::uint64_t first_ = 0;   ///< Ray of the message.
-  std::size_t answered_ = 0;  ///< Of its rays, those that the sink has got.
-  std::size_t seen_ = 0;      ///< Of its rays, those that this stream has answered.
+  std::size_t answered_ = 0;  ///< How many of its rays the sink has got.
+  std::size_t seen_ = 0;      ///< How many of its rays this stream has answered.
 };
 
 class Cast {
@@ -173,8 +173,8 @@ class Cast {
     return is_broken_connection(code) || (answers_.has_begun() && code == Code::kOutOfRange);
   }
 
-  /// One stream, from the first message without an answer on. An error that no other stream would
-  /// mend is in failed_.
+  /// Runs one stream, from the first message without an answer on. An error that no other stream
+  /// would mend is in failed_.
   Status attempt() {
     grpc::ClientContext context;
     if (deadline_) context.set_deadline(*deadline_);
@@ -258,7 +258,7 @@ class Cast {
   Answers answers_;
   const Retries::Deadline deadline_;
   Retries retries_;
-  grpc::Status status_;  // of the last attempt
+  grpc::Status status_;  // how the last attempt ended
   std::optional<Error> failed_;
 };
 

@@ -15,7 +15,7 @@ namespace {
 
 namespace experimental = grpc::experimental;
 
-/// Empty without a file.
+/// The content of the file; empty without one.
 Result<std::string> read_pem(const std::filesystem::path& file) {
   if (file.empty()) return std::string();
   std::ifstream in(file, std::ios::binary);

@@ -21,8 +21,8 @@ namespace {
 
 constexpr std::chrono::milliseconds kConnectWait{1000};
 
-// Only calls that are safe to repeat. A stream of rays is not: after some answers have come, a
-// second attempt could be answered at another revision.
+// These calls are safe to repeat. A stream of rays is not: after some answers have come, a second
+// attempt could be answered at another revision.
 constexpr const char* kRetried = R"("methodConfig": [{
     "name": [
       {"service": "sightline.v1.RayQueryService", "method": "CastRays"},

@@ -32,7 +32,7 @@ Result<std::shared_ptr<grpc::Channel>> open_channel(const Endpoint& endpoint,
                                                     const ChannelCredentials& credentials,
                                                     bool own_connection = false);
 
-/// From now on; nothing if there is no timeout.
+/// The deadline from now on; nothing if there is no timeout.
 std::optional<std::chrono::system_clock::time_point> deadline_after(
     std::optional<std::chrono::milliseconds> timeout);
 void set_timeout(grpc::ClientContext& context, std::optional<std::chrono::milliseconds> timeout);
@@ -49,8 +49,8 @@ inline constexpr const char* kRouteKeyHeader = "x-route-key";
 /// or empty if there is none. A connection that TLS has refused is kUnauthenticated, TLS_FAILED.
 Error rpc_error(const grpc::Status& status);
 
-/// The same for a call that `stop` cancels. If nothing asked for a stop, a call that was cancelled
-/// was reset by the server: kUnavailable.
+/// Converts the status of a call that `stop` cancels. If nothing asked for a stop, a call that was
+/// cancelled was reset by the server: kUnavailable.
 Error rpc_error(const grpc::Status& status, const std::stop_token& stop);
 
 /// Converts an error that stands within a message. `code` is a google.rpc.Code.
@@ -114,7 +114,7 @@ struct Connection {
   std::unique_ptr<v1::RayQueryService::Stub> queries;
   std::unique_ptr<v1::BackupService::Stub> backups;
   std::unique_ptr<v1::ServerService::Stub> server;
-  std::optional<std::chrono::milliseconds> timeout;  ///< as ClientOptions::timeout
+  std::optional<std::chrono::milliseconds> timeout;  ///< see ClientOptions::timeout
 
   /// Waits until the connection stands, for kConnectWait at most. Call this before a call that gRPC
   /// does not repeat: until then nothing was sent, so waiting is safe, and one attempt to connect

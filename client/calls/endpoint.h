@@ -13,7 +13,7 @@ class Endpoint {
   /// HOST:PORT, several of these with commas between, or unix:PATH. Errors: kInvalidArgument.
   static Result<Endpoint> parse(const std::string& text);
 
-  /// As it was written.
+  /// The text that was parsed.
   const std::string& text() const { return text_; }
 
   /// Whether what is sent there stays on this machine: unix:PATH, or hosts that are loopback

@@ -12,7 +12,7 @@ namespace sightline::client::calls {
 
 struct Connection;
 
-/// As Client::put_scene.
+/// Does what Client::put_scene does.
 Result<SceneInfo> put_scene(const Connection& connection, const std::string& scene,
                             std::span<const PutNode> nodes, const PutSceneOptions& options);
 

@@ -12,7 +12,7 @@ namespace sightline::client::calls {
 
 struct Connection;
 
-/// As Client::read_mesh().
+/// Does what Client::read_mesh() does.
 Result<NodeMesh> read_mesh(const Connection& connection, const std::string& scene,
                            std::uint64_t node, const std::stop_token& stop);
 

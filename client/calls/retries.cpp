@@ -19,7 +19,7 @@ constexpr milliseconds kLongest{60'000};
 constexpr milliseconds kLongestPause{8'000};
 constexpr int kFirstDoubled = 3;  // refusals in a row from which on pauses grow
 
-/// From 1 to 1.5 times as long.
+/// A pause from 1 to 1.5 times as long.
 milliseconds scattered(milliseconds pause) {
   thread_local std::minstd_rand random{std::random_device{}()};
   return pause +

@@ -13,7 +13,7 @@ namespace sightline::client::calls {
 /// refusal that passes.
 std::optional<std::chrono::milliseconds> retry_delay(const grpc::Status& status);
 
-/// For one operation, call after call. Bounded: after a minute of waiting without progress, or if
+/// The retries of one operation, call after call. After a minute of waiting without progress, or if
 /// the deadline does not leave the time, the refusal stands.
 class Retries {
  public:

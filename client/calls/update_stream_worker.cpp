@@ -204,7 +204,7 @@ Status UpdateStreamWorker::resume(const v1::StreamUpdatesResponse& first) {
   state_.window = std::max(opened.window(), 1U);
   coalesced_in_calls_ = state_.coalesced;
   next_to_write_ = committed + 1;
-  // Answers that were lost with the broken connection.
+  // These answers were lost with the broken connection.
   StreamAck missed{committed, opened.revision().revision(), opened.revision().token(), {}};
   for (const v1::PutNodes& put : opened.put()) {
     if (put.sequence() > state_.last_answered) missed.put.push_back(decode(put));
@@ -254,7 +254,7 @@ void UpdateStreamWorker::receive(const v1::UpdateAck& ack) {
   for (const v1::PutNodes& put : ack.put()) {
     accepted.put.push_back(decode(put));
   }
-  // Called first, so that a thread that waits for the batch finds the callback done.
+  // The callback comes first, so that a thread that waits for the batch finds it done.
   if (options_.on_ack) options_.on_ack(accepted);
   const std::lock_guard lock(mutex_);
   state_.coalesced = coalesced_in_calls_ + ack.coalesced();

@@ -71,7 +71,7 @@ class UpdateStreamWorker {
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  grpc::ClientContext* context_ = nullptr;  // of the open call, used to cancel it
+  grpc::ClientContext* context_ = nullptr;  // the open call's, used to cancel it
   bool opened_ = false;                     // at least once
   bool connected_ = false;                  // at present
   bool closing_ = false;                    // no further batch is accepted

@@ -59,7 +59,7 @@ grpc::Status send_from(const Connection& connection, const MeshBlob& mesh,
 bool should_retry(const Error& error) {
   // The transport of a server short of memory gives up calls, without a reason.
   const bool lost_in_transport = error.code == Code::kResourceExhausted && error.reason.empty();
-  // Out of range: another client has added to the same upload meanwhile.
+  // kOutOfRange: another client has added to the same upload meanwhile.
   return error.code == Code::kUnavailable || error.code == Code::kOutOfRange || lost_in_transport;
 }
 

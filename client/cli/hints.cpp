@@ -23,7 +23,7 @@ std::string did_you_mean(const std::string& word) {
   return word.empty() ? "" : fmt::format("did you mean {}?", word);
 }
 
-// The scene of the message's name, which is its only word of this form.
+// The name of a scene in the message, which is its only word of this form.
 std::string scene_in(const std::string& message) {
   const std::size_t begin = message.find("projects/");
   if (begin == std::string::npos) return {};

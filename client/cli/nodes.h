@@ -30,11 +30,11 @@ Result<std::vector<NodeInfo>> list_nodes(const Client& client, const std::string
 Result<std::vector<std::uint64_t>> resolve_nodes(const Client& client, const std::string& scene,
                                                  std::span<const std::string> words);
 
-/// The same for one word. An empty word is 0.
+/// The id of one node; an empty word is 0. Errors: as resolve_nodes().
 Result<std::uint64_t> resolve_node(const Client& client, const std::string& scene,
                                    const std::string& word);
 
-/// The same for nodes that have been read.
+/// The id of a node among those that have been read. Errors: as resolve_nodes().
 Result<std::uint64_t> find_node(std::span<const NodeInfo> nodes, const std::string& word);
 
 }  // namespace sightline::client::cli

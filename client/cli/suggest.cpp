@@ -7,7 +7,7 @@
 namespace sightline::client::cli {
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
-  // Rows of the table: of two letters less of `a`, of one less, and this one.
+  // The rows of the table for two letters less of `a`, for one less, and for this one.
   std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
   for (std::size_t i = 1; i <= a.size(); ++i) {
@@ -28,7 +28,7 @@ std::string nearest(std::string_view word, std::span<const std::string> words) {
   std::string best;
   std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
   for (const std::string& candidate : words) {
-    // Of a word that is only begun, the rest is no mistake.
+    // The rest of a word that is only begun is no mistake.
     const bool is_begun = word.size() >= 3 && candidate.starts_with(word);
     const std::size_t distance = is_begun ? 1 : edit_distance(word, candidate);
     if (distance >= least || distance >= candidate.size()) continue;

@@ -180,7 +180,7 @@ double ProgressBar::seconds_since_start() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
 }
 
-// Empty before there is anything to judge by.
+// The time that is left; empty before there is anything to judge by.
 std::string ProgressBar::time_left(double fraction) const {
   const double seconds = seconds_since_start();
   if (seconds < 1 || !(fraction > 0) || fraction >= 1) return {};

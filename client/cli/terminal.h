@@ -37,7 +37,7 @@ std::string printable(std::string_view text);
 /// Prints the error on stderr, as text or as JSON, and returns its exit code.
 ExitCode fail(const Error& error);
 
-/// Of a command that an Interrupt has ended: kInterrupted or kTerminated.
+/// The exit code of a command that an Interrupt has ended: kInterrupted or kTerminated.
 ExitCode interrupted_code();
 
 /// Prints that the command was interrupted, and returns interrupted_code().
@@ -81,7 +81,7 @@ class ProgressBar {
   void update(double fraction, std::string_view detail = {});
 
   enum class Unit { kBytes, kRays };
-  /// The same, with the amount and the rate as detail.
+  /// Updates the bar with the amount and the rate as detail.
   void update_amount(std::uint64_t done, std::uint64_t total, Unit unit);
 
  private:

@@ -8,7 +8,7 @@ namespace sightline::client::importer {
 Transform operator*(const Transform& a, const Transform& b);
 Point operator*(const Transform& m, const Point& p);
 
-/// The result is not finite if there is no inverse.
+/// The inverse; not finite if there is none.
 Transform inverse(const Transform& m);
 
 /// Scales, then rotates, then translates.

@@ -63,7 +63,7 @@ double folded(double seconds, double first, double last) {
   return std::clamp(seconds - turns * (last - first), first, last);
 }
 
-// Of four values with these weights. An absent weight is 0.
+// The sum of four values with these weights. An absent weight is 0.
 Point combined(const std::array<const Point*, 4>& values, const std::array<double, 4>& weights) {
   Point out{};
   for (std::size_t i = 0; i < 4; ++i) {
@@ -94,7 +94,7 @@ std::vector<double> combined(const std::array<const std::vector<double>*, 4>& va
 const Point& applied(const Point& value) { return value; }
 const std::vector<double>& applied(const std::vector<double>& value) { return value; }
 
-// Zeros have no direction: they are no rotation.
+// The rotation of a value. Zeros have no direction: they are no rotation.
 Quaternion applied(const Quaternion& value) {
   const double size = length(value);
   return size > 0 && std::isfinite(size) ? normalized(value) : Quaternion{1, 0, 0, 0};

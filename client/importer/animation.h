@@ -25,7 +25,7 @@ enum class Beyond : std::uint8_t {
 /// The value of a track between two keys.
 enum class Interpolation : std::uint8_t {
   kLinear,  ///< rotations along the shorter arc, at constant speed
-  kStep,    ///< that of the earlier key
+  kStep,    ///< the value of the earlier key
   kCubic,   ///< a cubic spline with the tangents of the keys
 };
 
@@ -48,7 +48,7 @@ struct Track {
   Beyond before = Beyond::kHold;
   Beyond after = Beyond::kHold;  ///< a cubic track holds
   Interpolation interpolation = Interpolation::kLinear;
-  std::vector<Tangents<Value>> tangents{};  ///< of each key of a cubic track; else empty
+  std::vector<Tangents<Value>> tangents{};  ///< for each key of a cubic track; else empty
 };
 
 /// The value at a time. Rotations have unit length. A weight that only one of two keys has counts
@@ -100,15 +100,16 @@ struct Animation {
 /// What poses are computed from: the scene as it is in the file, and the transform from there to
 /// the imported scene.
 struct Rig {
-  std::vector<Transform> parent_from_local;  ///< of each node at rest, in the file
+  std::vector<Transform> parent_from_local;  ///< each node's at rest, in the file
   Transform scene_from_file = kIdentity;     ///< applied before the roots
-  /// By mesh: subtracted from its vertices, and added to the transforms of the nodes that carry it
+  /// What was subtracted from each mesh's vertices, and added to the transforms of the nodes that
+  /// carry it
   std::vector<Point> offsets;
-  /// By mesh: the vertices without a pose, in the file. Empty for a mesh without skin and shapes.
+  /// Each mesh's vertices without a pose, in the file. Empty for a mesh without skin and shapes.
   std::vector<std::vector<Point>> vertices;
   std::vector<Skin> skins;                   ///< by mesh
   std::vector<Shapes> shapes;                ///< by mesh
-  std::vector<std::vector<double>> weights;  ///< by mesh: of its shapes at rest, or less
+  std::vector<std::vector<double>> weights;  ///< by mesh: those of its shapes at rest, or fewer
 };
 
 struct AnimatedScene {

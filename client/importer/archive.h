@@ -66,7 +66,7 @@ class ArchiveReader {
     (get(values), ...);
   }
 
-  /// Whether all values were there, and nothing else.
+  /// Whether all values were there, and no other bytes.
   bool is_complete() const { return good_ && rest_.empty(); }
 
  private:

@@ -9,8 +9,8 @@
 
 namespace sightline::client::importer {
 
-/// Collects Assimp's errors and warnings as long as it lives, each sentence once. Those about looks
-/// are left out, and those that do not say that the scene differs. There is one at a time.
+/// Collects Assimp's errors and warnings as long as it lives, each sentence once. Leaves out those
+/// about looks, and those that do not say that the scene differs. There is one at a time.
 class AssimpComplaints {
  public:
   AssimpComplaints();
@@ -31,7 +31,7 @@ class AssimpComplaints {
   Stream stream_;
 };
 
-/// On one line.
+/// The text on one line.
 std::string one_line(std::string_view text);
 
 }  // namespace sightline::client::importer

@@ -137,7 +137,7 @@ void check_ifc(std::string_view bytes, FileScene& scene) {
   const auto losses = ifc_losses(statements);
   warn_of_float_losses(
       [&](const FileNode& node) {
-        const Transform& m = node.parent_from_local;  // of the root: it has Assimp's units, too
+        const Transform& m = node.parent_from_local;  // the root's: it has Assimp's units, too
         const double unit = node.parent == kNone ? std::hypot(m[0], m[4], m[8]) : 1.0;
         return unit * loss_in(losses, global_id_of(node));
       },

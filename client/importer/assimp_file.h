@@ -37,8 +37,8 @@ class AssimpFile {
   std::vector<std::string> complaints_;
 };
 
-/// What Assimp reads from the file, with a warning for each of its complaints. Errors: those of
-/// AssimpFile::read and of file_scene_from_assimp.
+/// The scene that Assimp reads from the file, with a warning for each of its complaints. Errors:
+/// those of AssimpFile::read and of file_scene_from_assimp.
 Result<FileScene> read_with_assimp(const SceneFile& file);
 
 }  // namespace sightline::client::importer

@@ -25,7 +25,7 @@ namespace sightline::client::importer {
 namespace {
 
 constexpr std::size_t kLongestMessage = 1000;  // bytes
-constexpr double kStep = 0.01;                 // of the progress between two messages
+constexpr double kStep = 0.01;                 // progress between two messages
 
 Error in_file(const std::filesystem::path& file, std::string message,
               const std::vector<std::string>& refusals) {

@@ -11,7 +11,7 @@ namespace sightline::client::importer {
 /// first that it breaks.
 Status check_received(const ImportedScene& scene);
 
-/// The same, and every guarantee of animation.h.
+/// Whether the scene also keeps every guarantee of animation.h.
 Status check_received(const AnimatedScene& animated);
 
 }  // namespace sightline::client::importer

@@ -54,7 +54,7 @@ class Positions {
 
 struct Edge {
   std::uint32_t to;    // the larger one of its positions
-  std::uint32_t face;  // of all meshes
+  std::uint32_t face;  // its number in all meshes
 };
 
 // Calls use(positions, face) for each triangle that counts, with the number of its face in all
@@ -137,7 +137,7 @@ enum class Crossing { kNone, kOne, kUnsure };
 
 // The line goes through `origin` along `direction`, which is of unit length.
 Crossing cross_line(const Triangle& t, const Vector& origin, const Vector& direction) {
-  constexpr double kNearEdge = 1e-7;  // of the triangle's size
+  constexpr double kNearEdge = 1e-7;  // share of the triangle's size
   const Vector a = minus(t.a, origin), b = minus(t.b, origin), c = minus(t.c, origin);
   const double u = dot(direction, cross(a, b)), v = dot(direction, cross(b, c)),
                w = dot(direction, cross(c, a));

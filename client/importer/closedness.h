@@ -13,8 +13,8 @@ namespace sightline::client::importer {
 
 struct OpenEdges {
   std::uint64_t count = 0;
-  std::size_t mesh = 0;  ///< the first of them is of this one of the meshes,
-  std::size_t face = 0;  ///< and of this face
+  std::size_t mesh = 0;  ///< the mesh of the first of them,
+  std::size_t face = 0;  ///< and its face
 };
 
 /// Counts the edges of these meshes together that only one triangle has. Vertices at the same
@@ -22,8 +22,8 @@ struct OpenEdges {
 /// count.
 OpenEdges open_edges(std::span<const ImportedMesh* const> meshes);
 
-/// Of lines that go through these meshes together, how many cross an odd number of triangles; a
-/// closed surface has none. Lines that come near to an edge are not used. The same lines each time.
+/// How many of the lines through these meshes cross an odd number of triangles; a closed surface
+/// has none. Lines near an edge are not used. The lines are always the same.
 struct OddLines {
   std::uint64_t odd = 0;
   std::uint64_t lines = 0;

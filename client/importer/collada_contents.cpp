@@ -27,7 +27,7 @@ namespace sightline::client::importer {
 namespace {
 
 constexpr std::uint64_t kMost = 0xFFFFFFFF;  // products of two are no larger than 64 bits
-constexpr double kMostOff = 2e-3;            // of the length of an axis
+constexpr double kMostOff = 2e-3;            // share of the length of an axis
 constexpr std::string_view kLooks[] = {"NORMAL",   "TEXCOORD",   "COLOR",       "TANGENT",
                                        "BINORMAL", "TEXTANGENT", "TEXBINORMAL", "UV"};
 constexpr std::string_view kPrimitives[] = {"triangles", "polylist", "polygons",  "tristrips",
@@ -274,8 +274,8 @@ class Contents {
 
   std::vector<std::string_view> open_;  // names of the elements around
   std::string_view source_, geometry_;  // ids of the last ones
-  int positions_here_ = 0;              // of the last <vertices>
-  std::uint64_t stride_ = 1;            // of the corners of the last primitive
+  int positions_here_ = 0;              // positions of the last <vertices>
+  std::uint64_t stride_ = 1;            // the stride of the corners of the last primitive
   std::optional<std::uint64_t> vertex_;
   std::unordered_map<std::string_view, Array> arrays_;
   std::unordered_map<std::string_view, Accessor> accessors_;  // by the id of their source

@@ -18,7 +18,7 @@ namespace {
 
 using Numbers = std::array<double, 16>;
 
-// Of an element in a node. The identity: it is no transform, or one that moves nothing.
+// The matrix of an element in a node. The identity: it is no transform, or one that moves nothing.
 template <class Real>
 aiMatrix4x4t<Real> matrix_of(std::string_view name, const Numbers& numbers) {
   std::array<Real, 16> n{};

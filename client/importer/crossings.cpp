@@ -11,7 +11,7 @@
 namespace sightline::client::importer {
 namespace {
 
-constexpr std::uint64_t kMostComparisons = 50'000'000;  // of boxes; about half a second
+constexpr std::uint64_t kMostComparisons = 50'000'000;  // comparisons of boxes; about half a second
 constexpr std::size_t kLeaf = 4;                        // as many edges, or fewer
 
 // Whether a point is farther than this from the line through a and b.

@@ -36,7 +36,7 @@ struct FileMesh {
   Polygons faces;
   Skin skin;                    ///< its bones are nodes of the FileScene; no bones: no skin
   Shapes shapes;                ///< offsets of all vertices, for each shape
-  std::vector<double> weights;  ///< of the shapes, at rest
+  std::vector<double> weights;  ///< the shapes' weights at rest
   bool is_solid = false;        ///< The format says that the mesh bounds a solid.
 };
 

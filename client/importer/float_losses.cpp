@@ -17,7 +17,7 @@
 namespace sightline::client::importer {
 namespace {
 
-constexpr double kHalfStep = 0x1p-24;  // of a float32 number, of its value
+constexpr double kHalfStep = 0x1p-24;  // half a step of a float32 number, as a share of its value
 
 // By which the transform makes things larger, in the direction in which it does most.
 double scale_of(const Transform& m) {
@@ -44,7 +44,7 @@ void warn_of_float_losses(const LossOfNode& loss_of_node, FileScene& scene) {
   extents.reserve(scene.meshes.size());
   for (const FileMesh& mesh : scene.meshes) extents.push_back(extent_of(mesh));
   std::vector<Transform> worlds;
-  std::vector<double> losses;  // of the nodes, in the scene's units
+  std::vector<double> losses;  // each node's, in the scene's units
   Warning warning{.kind = "precision", .count = 0};
   double worst = kWarnedLoss, worst_size = 0, worst_loss = 0;
   for (const FileNode& node : scene.nodes) {

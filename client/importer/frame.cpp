@@ -48,7 +48,7 @@ void set_row(std::array<double, 12>& m, std::size_t to, const std::array<double,
   for (std::size_t k = 0; k < 4; ++k) m[to * 4 + k] = factor * from[row * 4 + k];
 }
 
-// From y up to z up: (x, y, z) -> (x, -z, y). From z up to y up: (x, y, z) -> (x, z, -y).
+// Turns y up to z up: (x, y, z) -> (x, -z, y); or z up to y up: (x, y, z) -> (x, z, -y).
 void turn(std::array<double, 12>& m, UpAxis to) {
   const std::array<double, 12> old = m;
   const bool to_z = to == UpAxis::kZ;

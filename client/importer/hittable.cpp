@@ -19,8 +19,8 @@ bool has_finite_corner(const Vertex& v) {
   return std::all_of(v.begin(), v.end(), [](float x) { return std::isfinite(x); });
 }
 
-// Rounds, so that a file of nothing but slivers of a width below 1e-15 of their length may seem to
-// have none.
+// Whether a triangle has an area. It rounds, so that a file of nothing but slivers of a width below
+// 1e-15 of their length may seem to have none.
 bool has_area(const Vertex& a, const Vertex& b, const Vertex& c) {
   std::array<double, 3> ab{}, ac{};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -35,7 +35,7 @@ struct Contents {
   std::uint64_t vertices = 0, triangles = 0, lines_and_points = 0;
   std::uint64_t points = 0;  // vertices of meshes that have points, or no faces
   std::uint64_t placed = 0;  // triangles of meshes that nodes carry
-  std::uint64_t finite = 0;  // those of them without a bad vertex
+  std::uint64_t finite = 0;  // placed triangles without a bad vertex
   bool hittable = false;
 };
 

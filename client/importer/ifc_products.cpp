@@ -76,7 +76,7 @@ std::size_t count_items(const Statements& statements, const Statement& represent
 }
 
 struct Body {
-  std::vector<std::size_t> counts;  // of the meshes of each representation that is a body
+  std::vector<std::size_t> counts;  // how many meshes each representation that is a body has
   bool comes_late = false;          // another representation with surfaces stands before it
 };
 

@@ -11,8 +11,8 @@ namespace sightline::client::importer {
 std::string_view global_id_of(const FileNode& node);
 
 /// Warns of products that have fewer meshes in `scene`, which Assimp has read, than their body has
-/// items, of those of which Assimp has taken another representation than the body, and of shapes
-/// that Assimp changes. A note tells of spaces, which Assimp leaves out.
+/// items; of products for which Assimp has taken another representation than the body; and of
+/// shapes that Assimp changes. A note tells of spaces, which Assimp leaves out.
 void check_products(const Statements& statements, FileScene& scene);
 
 }  // namespace sightline::client::importer

@@ -43,14 +43,14 @@ struct Warning {
   std::string kind;         ///< one or a few words in lower_snake, which stay the same
   std::uint64_t count = 1;  ///< how often
   std::string first{};      ///< where first: a node, a mesh and a face; may be empty
-  std::string message{};    ///< for people, after the path of the file; of a note, without it
+  std::string message{};    ///< for people, after the path of the file; without it for a note
   bool is_note = false;     ///< A fact that may be as it should be, like the border of a terrain.
 };
 
 struct ImportedScene {
   std::vector<ImportedMesh> meshes;
   std::vector<ImportedNode> nodes;    ///< parents before children
-  UpAxis up_axis = UpAxis::kUnknown;  ///< of the arrays as they are here
+  UpAxis up_axis = UpAxis::kUnknown;  ///< the arrays' as they are here
   double meters_per_unit = 0;         ///< 0: the file does not say
   std::vector<Warning> warnings{};
 };

@@ -11,10 +11,10 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kQuantum = 0x1p-24;       // steps
-constexpr double kReach = 0x1p-12;         // of where a mesh lies: the step of most meshes there
-constexpr double kLarger = 0x1p4;          // to the step for meshes that do not fit
-constexpr double kSmaller = 0x1p-3;        // to the step for meshes that it is too coarse for
-constexpr double kChosenLoss = 1e-4;       // of a mesh's size, for which a step is too coarse
+constexpr double kReach = 0x1p-12;         // share of the distance from zero: most meshes' step
+constexpr double kLarger = 0x1p4;          // times the step, for meshes that do not fit it
+constexpr double kSmaller = 0x1p-3;        // times the step, for meshes that it is too coarse for
+constexpr double kChosenLoss = 1e-4;       // share of a mesh's size that a step may lose
 constexpr double kLeastReach = 0x1p-1000;  // floats do not tell such coordinates from zero
 
 }  // namespace

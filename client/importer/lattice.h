@@ -20,7 +20,7 @@ struct VertexBox {
   Point reach() const;  ///< the largest distance from zero on each axis
 };
 
-/// Of the vertices that faces name, or of all if there are no faces.
+/// The box of the vertices that faces name, or of all if there are no faces.
 VertexBox box_of(const FileMesh& mesh);
 
 /// The rule by which positions in double become an offset and floats. It looks at nothing but a

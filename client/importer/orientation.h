@@ -5,7 +5,7 @@
 
 namespace sightline::client::importer {
 
-/// Coordinates are floats, so that products are exact.
+/// A point whose coordinates are floats, so that products are exact.
 struct PlanePoint {
   double x = 0, y = 0;
 

@@ -48,7 +48,7 @@ class PointTree {
 
   struct Node {
     PlanePoint lo, hi;
-    std::size_t begin = 0, end = 0;  // of numbers_
+    std::size_t begin = 0, end = 0;  // range of numbers_
     std::size_t left = 0;            // numbers that were not removed
   };
 

@@ -9,7 +9,7 @@
 namespace sightline::client::importer {
 namespace {
 
-// In the file's own frame, like all functions below except `imported`.
+// The transform in the file's own frame, which all functions below but `imported` use.
 Transform local_at(const NodeChannel& channel, double seconds) {
   return compose(sample(channel.positions, seconds), sample(channel.rotations, seconds),
                  sample(channel.scalings, seconds));
@@ -40,7 +40,7 @@ Transform imported(const ImportedNode& node, const Rig& rig, const Transform& lo
   return out;
 }
 
-// Moved by the offset, and rounded.
+// The points moved by the offset, and rounded.
 std::vector<Vertex> rounded(const std::vector<Point>& points, const Point& offset) {
   std::vector<Vertex> vertices;
   vertices.reserve(points.size());

@@ -10,7 +10,7 @@ namespace sightline::client::importer {
 
 struct Pose {
   struct Placed {
-    std::uint32_t node = kNone;  ///< of the imported scene
+    std::uint32_t node = kNone;  ///< a node of the imported scene
     Transform parent_from_local = kIdentity;
   };
   struct Shaped {

@@ -11,7 +11,7 @@
 
 namespace sightline::client::importer {
 
-/// As import_animated_scene, but messages do not have the file's name.
+/// Does what import_animated_scene does; messages do not have the file's name.
 Result<AnimatedScene> read_scene(const std::string& name, const FileSource& files,
                                  const ImportOptions& options = {},
                                  const ImportProgress& progress = {});

@@ -23,8 +23,8 @@
 namespace sightline::client::importer {
 namespace {
 
-constexpr double kFloatLoss = 0x1p-24;  // of a mesh's size
-constexpr double kFarTooCoarse = 1e-2;  // of a mesh's size: it gets a step of its own
+constexpr double kFloatLoss = 0x1p-24;  // share of a mesh's size
+constexpr double kFarTooCoarse = 1e-2;  // share of a mesh's size; beyond, it has its own step
 
 bool is_float(double x) { return static_cast<double>(static_cast<float>(x)) == x; }
 
@@ -45,7 +45,7 @@ Point exact_offset(const VertexBox& box) {
   return offset;
 }
 
-// Returns nothing if the result needs rounding. The same holds for exact_product and `moved`.
+// Returns nothing if the result needs rounding, as exact_product and `moved` do.
 std::optional<double> exact_sum(double a, double b) {
   const double sum = a + b;
   const double of_b = sum - a;
@@ -144,8 +144,8 @@ struct Scene {
     }
   }
 
-  std::vector<VertexBox> boxes;  // of the meshes
-  VertexBox box;                 // of all
+  std::vector<VertexBox> boxes;  // the meshes' boxes
+  VertexBox box;                 // the box of all
   double largest = 0;            // the size of the largest mesh
 };
 
@@ -211,7 +211,7 @@ class Losses {
   }
 
  private:
-  std::uint64_t count_ = 0;  // of meshes that lose more than kWarnedLoss
+  std::uint64_t count_ = 0;  // meshes that lose more than kWarnedLoss
   std::string name_;         // the one that loses most of its size
   double worst_ = 0, size_ = 1;
   double largest_ = 0;  // more than a float loses near its mesh's middle

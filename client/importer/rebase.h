@@ -40,12 +40,12 @@ struct Rebased {
 /// Vertices that are not finite are not changed.
 Rebased rebase(std::vector<FileMesh>& meshes, std::vector<ImportedNode>& nodes);
 
-/// Of a mesh's size
+/// A loss of a larger share of a mesh's size is a warning.
 inline constexpr double kWarnedLoss = 1e-4;
 
-/// As rebase, with these offsets; there is one for each mesh. Errors: kInvalidArgument: the rest of
-/// a vertex loses more than kWarnedLoss of its mesh's size as a float, or a transform cannot hold
-/// its sum.
+/// Does what rebase does, with these offsets; there is one for each mesh. Errors: kInvalidArgument:
+/// the rest of a vertex loses more than kWarnedLoss of its mesh's size as a float, or a transform
+/// cannot hold its sum.
 Result<Rebased> rebase_to(std::vector<Point> offsets, std::vector<FileMesh>& meshes,
                           std::vector<ImportedNode>& nodes);
 

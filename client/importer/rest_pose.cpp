@@ -43,7 +43,7 @@ bool may_vanish(const Track<Point>& scalings) {
   return scalings.interpolation == Interpolation::kCubic && scalings.keys.size() > 1;
 }
 
-// Of each node, whether its place in the scene has no inverse at rest, or at some time.
+// Whether each node's place in the scene has no inverse at rest, or at some time.
 std::vector<bool> vanishing(const FileScene& scene, const std::vector<Transform>& world) {
   std::vector<bool> out(scene.nodes.size());
   for (const Animation& animation : scene.animations) {
@@ -106,7 +106,7 @@ class Parting {
   struct Carried {
     std::uint32_t node, mesh;
   };
-  // In deformations of one mesh.
+  // Renames a node and a mesh in the deformations of that mesh.
   void rename(const Carried& from, const Carried& to) {
     for (Animation& animation : scene_.animations) {
       for (Deformation& deformation : animation.deformations) {
@@ -117,7 +117,7 @@ class Parting {
     }
   }
 
-  // Those that concern all meshes of a node concern the moved ones, too.
+  // Copies the deformations that concern all meshes of a node: they concern the moved ones, too.
   void copy_deformations(std::uint32_t from, std::uint32_t to) {
     for (Animation& animation : scene_.animations) {
       const std::size_t count = animation.deformations.size();
@@ -131,7 +131,7 @@ class Parting {
   }
 
   FileScene& scene_;
-  std::vector<bool> is_taken_;  // of each mesh with a skin, whether a node has it
+  std::vector<bool> is_taken_;  // whether a node has it, for each mesh with a skin
 };
 
 }  // namespace

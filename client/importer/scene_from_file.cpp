@@ -122,8 +122,8 @@ Status check(const FileScene& file) {
 
 struct ConvertedNodes {
   std::vector<ImportedNode> nodes;
-  std::vector<std::uint32_t> source;     // of each node, its node in the file
-  std::vector<std::uint32_t> converted;  // of each node in the file, its node
+  std::vector<std::uint32_t> source;     // each node's node in the file
+  std::vector<std::uint32_t> converted;  // the node of each node in the file
 };
 
 ConvertedNodes convert_nodes(const std::vector<FileNode>& sources) {

@@ -20,7 +20,7 @@ namespace {
 // A node whose transform has a larger condition number is stored and never hit.
 constexpr double kMaxCondition = 1e12;
 
-// By the meshes of each part, the first node of the file that carries them.
+// The first node of the file that carries the meshes of each part, by these meshes.
 std::map<std::vector<std::uint32_t>, std::size_t> parts_of(const std::vector<FileNode>& nodes) {
   std::map<std::vector<std::uint32_t>, std::size_t> parts;
   for (std::size_t i = 0; i < nodes.size(); ++i) {

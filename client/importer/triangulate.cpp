@@ -24,14 +24,15 @@ namespace {
 
 using Corner = std::uint32_t;  // by its number in the polygon
 
-// Another axis than that of the largest part of the normal must have this much of it.
+// An axis other than that of the largest part of the normal must have this share of it.
 constexpr double kLeastPart = 0.1;
 
-// Of the largest coordinate: so far do the lines through float vertices lie from those of the file.
+// How far the lines through float vertices lie from those of the file, as a share of the largest
+// coordinate.
 constexpr double kRounding = 0x1p-21;
 
 // A polygon that touches itself at one place thousands of times would take quadratic time.
-constexpr std::size_t kMostLooks = 1000;  // at other corners, for each corner of the polygon
+constexpr std::size_t kMostLooks = 1000;  // looks at other corners, for each corner of the polygon
 
 bool is_finite(const Vertex& v) {
   return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
@@ -301,7 +302,7 @@ class Triangulator::Work {
 
   std::vector<PlanePoint> points_;  // by corner, as are the next four
   std::vector<Corner> previous_, next_;
-  std::vector<std::size_t> position_;  // in the queue, from 1 on, of the last time it was put there
+  std::vector<std::size_t> position_;  // where it was last put in the queue, from 1 on
   std::vector<bool> is_left_;
   std::vector<Corner> queue_;
   std::size_t head_ = 0;

@@ -87,7 +87,7 @@ constexpr Format kHtml{"an HTML page", "it holds no scene; a download may have f
                        " html htm "};
 constexpr Format kLfs{"a Git LFS pointer", "fetch the file that it stands for: git lfs pull", ""};
 
-// By extension alone.
+// Formats that are known by extension alone.
 constexpr Format kOthers[] = {
     {"ACIS", kMaker, " sat sab "},
     {"JT", kMaker, " jt "},
@@ -201,7 +201,7 @@ constexpr Magic kZipped[] = {{"3D/3dmodel.model", kThreeMf},
                              {".ifc", kIfcZip},
                              {".dae", kZae}};
 
-// From the first character on that is neither a byte order mark nor a blank.
+// The text from the first character on that is neither a byte order mark nor a blank.
 std::string_view after_blanks(std::string_view text) {
   if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
   const std::size_t first = text.find_first_not_of(" \t\r\n");
@@ -304,7 +304,7 @@ std::string_view protocol_of(std::string_view schema) {
 Status check_step(std::string_view bytes) {
   const std::string schema = schema_of(bytes);
   if (schema == "IFC2X3" || schema.starts_with("IFC2X3_")) return {};
-  const bool is_cut_off = bytes.find("ENDSEC") == std::string_view::npos;  // as is said later
+  const bool is_cut_off = bytes.find("ENDSEC") == std::string_view::npos;  // reported later
   if (is_cut_off) return {};
   if (schema.empty()) return not_read("a STEP file that states no schema", kStep.remedy);
   if (schema.starts_with("IFC") || schema.starts_with("ifc")) {

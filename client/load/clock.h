@@ -18,7 +18,7 @@ inline Nanoseconds from_seconds(double seconds) {
 class Clock {
  public:
   virtual ~Clock() = default;
-  /// Since any fixed moment. Never goes back.
+  /// The time since a fixed moment. It never goes back.
   virtual Nanoseconds now() = 0;
   /// Returns at that time, or soon after a stop is requested.
   virtual void sleep_until(Nanoseconds time, const std::stop_token& stop) = 0;

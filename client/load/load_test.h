@@ -31,7 +31,7 @@ struct LoadOptions {
   /// Cold runs, each of these in turn. Empty: one warm run, built as the server's policy says.
   std::vector<BuildMode> compare{};
   std::vector<double> coverage{100};       ///< percent, above 0 up to 100
-  std::uint64_t rays_per_run = 1'000'000;  ///< of a cold run
+  std::uint64_t rays_per_run = 1'000'000;  ///< for a cold run
   int repeat = 3;                          ///< cold runs of each build at each coverage
   std::uint64_t seed = 1;
 };

@@ -14,7 +14,7 @@ struct Machine {
   std::string time;    ///< UTC, as 2026-01-31T12:00:00Z
 };
 
-/// Of this process. Empty where the system does not tell.
+/// The machine that this process runs on. Fields are empty where the system does not tell.
 Machine this_machine();
 
 }  // namespace sightline::client::load

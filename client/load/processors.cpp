@@ -28,7 +28,7 @@ double own_seconds() {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-// Over all processors, as proc(5) has it: user nice system idle iowait irq softirq ...
+// Seconds over all processors, from proc(5): user nice system idle iowait irq softirq ...
 double busy_seconds() {
   std::ifstream in("/proc/stat");
   std::string name;

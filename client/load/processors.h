@@ -8,15 +8,15 @@
 
 namespace sightline::client::load {
 
-/// Between two moments. Times are summed over processors.
+/// The use between two moments. Times are summed over processors.
 struct ProcessorUse {
   double elapsed_s = 0;
-  int processors = 1;  ///< of the machine
-  double own_s = 0;    ///< of this process, in the kernel too
-  double busy_s = 0;   ///< of all processes; 0: unknown
+  int processors = 1;  ///< the machine's
+  double own_s = 0;    ///< this process's, in the kernel too
+  double busy_s = 0;   ///< all processes'; 0: unknown
 
-  double own_share() const { return share(own_s); }    ///< of the whole machine, 0 to 1
-  double busy_share() const { return share(busy_s); }  ///< as above
+  double own_share() const { return share(own_s); }    ///< share of the whole machine, 0 to 1
+  double busy_share() const { return share(busy_s); }  ///< share of the whole machine, 0 to 1
 
  private:
   double share(double seconds) const {

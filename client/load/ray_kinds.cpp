@@ -37,7 +37,7 @@ Vec in_ball(Engine& random) {
   }
 }
 
-// By the cosine to the normal.
+// A random direction, by the cosine to the normal.
 Vec bounce(const Vec& normal, Engine& random) {
   for (;;) {
     const Vec direction = add(normal, unit(in_ball(random)));

@@ -63,8 +63,8 @@ class RayMaker {
   std::vector<Aim> aims_;
 };
 
-/// The rays of a file that go to a part of the scene, as above, in order. A ray that hits nothing
-/// goes to its point nearest to the middle of the scene. Errors: as above.
+/// The rays of a file that go to a part of the scene, as for RayMaker::rays(), in order. A ray that
+/// hits nothing goes to its point nearest to the middle of the scene. Errors: as RayMaker::make().
 Result<RaySet> part_of(const RaySet& rays, double coverage, const SceneInfo& scene,
                        const Caster& cast, std::uint64_t seed);
 

@@ -36,7 +36,7 @@ class RaySet {
 
   std::size_t size() const;
   Ray at(std::size_t i) const;
-  /// Those with these numbers, in this order and precision.
+  /// The rays with these numbers, in this order and precision.
   RaySet pick(std::span<const std::size_t> chosen) const;
 
   /// Calls use(RayColumns) with rows `first` up to `first + count`, in the set's precision.

@@ -35,28 +35,28 @@ struct Answered {
   std::uint64_t rays = 0;
 };
 
-/// Of the casts that were due after the warm-up. Latencies are in nanoseconds, from `due` to
-/// `done`.
+/// A record of the casts that were due after the warm-up. Latencies are in nanoseconds, from `due`
+/// to `done`.
 struct Record {
   Histogram latency;
   std::uint64_t rays = 0;
   std::uint64_t hits = 0;
   std::uint64_t refused = 0;
   std::uint64_t failed = 0;
-  std::string first_error;  ///< of a refused or failed request
+  std::string first_error;  ///< a refused or failed request's
 
   Histogram update_latency;
-  std::uint64_t updates_failed = 0;  ///< or refused
+  std::uint64_t updates_failed = 0;  ///< failed or refused
 
   /// Sums over answered casts: what the server reports, and the time from `sent` to `done`.
   Nanoseconds queue{}, build{}, trace{}, in_flight{};
-  /// Of `in_flight`, what the server reports neither as queue nor as trace, of requests that were
-  /// sent before the first answer came. A full build is in it.
+  /// The part of `in_flight` that the server reports neither as queue nor as trace, for requests
+  /// that were sent before the first answer came. A full build is in it.
   Nanoseconds unreported_before_first_answer{};
 
   std::optional<Nanoseconds> first_hit, last_hit;  ///< when the answers came that have them
   Nanoseconds begin{};                             ///< the end of the warm-up
-  Nanoseconds end{};                               ///< of the last answer
+  Nanoseconds end{};                               ///< when the last answer came
   std::vector<Window> windows;                     ///< without gaps; the last may be unfinished
   std::vector<Answered> progress;                  ///< in order of time
 
@@ -73,7 +73,7 @@ inline constexpr std::size_t kStableWindows = 3;
 inline constexpr double kStableSpread = 0.05;
 inline constexpr std::uint64_t kStableRequests = 100;
 
-/// Over the whole run. 0 if nothing was answered.
+/// The mean over the whole run. 0 if nothing was answered.
 double mean_rays_per_s(const Record& record);
 /// The median of the windows that ended before the last answer, which a neighbour on the machine
 /// disturbs less; or, if there are fewer than kStableWindows, the mean.

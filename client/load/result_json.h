@@ -40,7 +40,7 @@ Crossovers find_crossovers(const std::vector<Row>& rows);
 /// The row of that build and coverage, or null.
 const Row* find_row(const std::vector<Row>& rows, BuildMode build, double coverage);
 
-/// As the server builds in a row of this build.
+/// Whether the server builds all before the first ray in this row.
 bool is_full(const Row& row, const ServerInfo& server);
 
 }  // namespace sightline::client::load

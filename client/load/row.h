@@ -42,13 +42,13 @@ struct TimeShares {
 /// fewer requests were in flight than there are threads.
 TimeShares time_shares(const Record& record, std::uint32_t threads, bool is_full);
 
-/// Milliseconds.
+/// A quantile of the latency, in milliseconds.
 double latency_ms(const Histogram& latency, double quantile);
 
 /// What a run of the row took, in seconds, from its start to the last answer.
 double duration_s(const Row& row);
 
-/// In cold rows the mean, else the steady rate.
+/// The mean rate in cold rows, else the steady rate.
 double rays_per_s(const Row& row);
 
 /// Seconds (y) from the start to that many rays answered (x).

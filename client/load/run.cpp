@@ -48,7 +48,7 @@ class Runner {
     Nanoseconds due{};
   };
 
-  /// Nothing if the run has ended.
+  /// The next request; nothing if the run has ended.
   std::optional<Ticket> take() {
     const std::lock_guard lock(mutex_);
     if (cancel_.stop_requested()) return std::nullopt;
@@ -67,7 +67,7 @@ class Runner {
     return std::min(options_.warm_up + options_.most, ends_at_.value_or(Nanoseconds::max()));
   }
 
-  /// Requests of an open loop that were due, and for which no worker was free until the end.
+  /// Counts requests of an open loop that were due, and for which no worker was free until the end.
   void count_unsent() {
     if (!options_.schedule.is_open() || !options_.is_strict) return;
     const std::uint64_t most = options_.requests.value_or(~std::uint64_t{0});

@@ -38,7 +38,7 @@ struct Run {
   std::uint64_t sent = 0;  ///< requests
 };
 
-/// Called about ten times a second, on the thread of run().
+/// Called about ten times a second on the thread of run().
 using RunProgress = std::function<void(Nanoseconds elapsed, std::uint64_t rays)>;
 
 /// Times in the record count from the call. A requested stop ends the run early. With one worker

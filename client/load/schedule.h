@@ -19,7 +19,7 @@ class Schedule {
 
   bool is_open() const { return rate_ > 0; }
   double rate() const { return rate_; }
-  /// Since the start of the run; nothing in a closed loop.
+  /// When the request is due, since the start of the run; nothing in a closed loop.
   std::optional<Nanoseconds> due(std::uint64_t request) const {
     if (!is_open()) return std::nullopt;
     return from_seconds(static_cast<double>(request) / rate_);

@@ -19,9 +19,9 @@ struct Outcome {
   bool is_update = false;  ///< it changed the scene; no rays
   std::uint64_t rays = 0;
   std::uint64_t hits = 0;
-  /// As CastReport has them.
+  /// See CastReport.
   std::uint64_t queue_us = 0, build_us = 0, trace_us = 0;
-  std::string error;  ///< of a refusal or failure
+  std::string error;  ///< the message of a refusal or failure
 };
 
 class Target {

@@ -28,7 +28,7 @@ def root() -> pathlib.Path:
 
 
 def version() -> str:
-    """As CMakeLists.txt says."""
+    """The version that CMakeLists.txt states."""
     if is_archive():
         return (HERE / "VERSION").read_text().strip()
     found = re.search(r"project\(sightline VERSION ([0-9.]+)", (root() / "CMakeLists.txt").read_text())

@@ -60,7 +60,7 @@ bool view_rays(const v1::CastRaysResponse& response, HitFields fields, std::size
          view_column(response, fields.count, v1::HIT_FIELD_COUNT, n, hits.count);
 }
 
-// Also false if a row is not one of the names.
+// Views the names. Returns false also if a row is not one of them.
 bool view_names(const v1::CastRaysResponse& response, HitFields fields, std::size_t n,
                 HitView& hits) {
   if (!fields.name) return true;

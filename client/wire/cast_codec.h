@@ -37,8 +37,8 @@ void trim(std::size_t n, RayShape shape, v1::Rays& rays);
 /// or does not have n rows.
 Result<HitView> view_hits(const v1::CastRaysResponse& response, HitFields fields, std::size_t n);
 
-/// A part of an answer that lists all hits. Errors: kInternal as above, and if the part does not
-/// begin with ray `first` of its batch, exceeds its n rays, or ends the batch before them.
+/// A part of an answer that lists all hits. Errors: kInternal as view_hits(), and if the part does
+/// not begin with ray `first` of its batch, exceeds its n rays, or ends the batch before them.
 Result<HitView> view_all_hits(const v1::CastRaysResponse& response, HitFields fields,
                               std::size_t first, std::size_t n);
 

@@ -21,7 +21,8 @@ namespace sightline::proto::rays {
 /// between two calls of begin().
 class GeneratedRays {
  public:
-  /// check() has found nothing, and the memory is in proportion to count_of(generator).
+  /// Begins a generator in which check() has found nothing. The memory is in proportion to
+  /// count_of(generator).
   void begin(RayGenerator generator);
 
   std::size_t size() const { return size_; }
@@ -49,8 +50,8 @@ class GeneratedRays {
 
   RayGenerator generator_;
   std::size_t size_ = 0;
-  /// Of a scan: the level directions of its columns. Element i is that of the i-th column from the
-  /// one of the first ray on, beginning again after the last column.
+  /// The level directions of a scan's columns. Element i is that of the i-th column from the one of
+  /// the first ray on, beginning again after the last column.
   std::vector<Vector> levels_;
 };
 

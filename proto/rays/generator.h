@@ -37,7 +37,8 @@ struct Pinhole {
 struct SphericalScan {
   Vector origin{};
   Vector forward{1, 0, 0}, left{0, 1, 0}, up{0, 0, 1};
-  /// From the first number to the second, in radians, each from -kMaxAngle to kMaxAngle.
+  /// Each range is from the first number to the second, in radians, both from -kMaxAngle to
+  /// kMaxAngle.
   std::array<double, 2> azimuth{}, elevation{};
   std::uint32_t columns = 0, rows = 0;  ///< 1 to kMaxSide
 };
@@ -54,7 +55,7 @@ struct RayGenerator {
   std::variant<Pinhole, SphericalScan, VisibilityPairs> rays{};
   std::uint64_t first = 0;       ///< The first ray that is cast.
   std::uint64_t count = 0;       ///< How many are cast; 0: all from `first` on.
-  double tmin = 0;               ///< Of every ray, as the next two.
+  double tmin = 0;               ///< Every ray's, like the next two.
   std::optional<double> tmax{};  ///< If not set: 1 for pairs, else +inf.
   std::uint32_t mask = 0xffffffffu;
 };

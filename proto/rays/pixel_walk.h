@@ -11,7 +11,7 @@ namespace sightline::proto::rays {
 /// Visits pixels one after the other. Threads: one.
 class PixelWalk {
  public:
-  /// At pixel number `pixel`, in a picture of this size. The picture has the pixel.
+  /// Begins at pixel number `pixel` of the picture, which has it.
   PixelWalk(const Pinhole& picture, std::uint64_t pixel)
       : width_(picture.width),
         height_(picture.height),
@@ -45,12 +45,12 @@ class PixelWalk {
   }
 
  private:
-  /// Of the tile, which the edges of the picture may cut off.
+  /// The columns of the tile, which the edges of the picture may cut off.
   std::uint32_t columns() const { return std::min(tile_width_, width_ - left_); }
   std::uint32_t rows() const { return std::min(tile_height_, height_ - top_); }
 
   const std::uint32_t width_, height_, tile_width_, tile_height_;
-  std::uint32_t left_ = 0, top_ = 0;  // of the tile
+  std::uint32_t left_ = 0, top_ = 0;  // the tile's
   std::uint32_t x_ = 0, y_ = 0;
 };
 

@@ -7,8 +7,8 @@ struct SineCosine {
   double sine, cosine;
 };
 
-/// Of an angle in radians, from -kMaxAngle to kMaxAngle; within 2^-52. Only additions and products,
-/// which must not be fused.
+/// The sine and the cosine of an angle in radians, from -kMaxAngle to kMaxAngle; within 2^-52. Uses
+/// only additions and products, which must not be fused.
 SineCosine sine_cosine(double angle);
 
 }  // namespace sightline::proto::rays

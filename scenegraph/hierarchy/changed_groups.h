@@ -14,13 +14,13 @@ namespace sightline::scenegraph::hierarchy {
 
 using NodeMap = model::PersistentMap<std::shared_ptr<const model::Node>>;
 
-/// Groups with children that bring something else than before, and all groups above them; 0: the
-/// scene. Cost and memory: the number of these groups, at any depth.
+/// The groups with children whose part of the sum has changed, and all groups above them; 0 stands
+/// for the scene. Cost and memory: the number of these groups, at any depth.
 class ChangedGroups {
  public:
   using Children = std::pmr::vector<model::NodeId>;
 
-  /// `nodes` outlives this, and does not change.
+  /// `nodes` must outlive this, and must not change.
   explicit ChangedGroups(const NodeMap& nodes) : nodes_(nodes) {}
 
   /// The changed children of a group, to be added to. The group must be there.
@@ -37,7 +37,8 @@ class ChangedGroups {
   }
 
   /// Calls visit(group, children) for each group after those below it; a group that was visited is
-  /// a changed child of its parent. Stops where visit() returns false, and returns that. Once.
+  /// a changed child of its parent. Ends and returns false where visit() returns false. May be
+  /// called once.
   template <class Visit>
   bool visit_upward(const Visit& visit) {
     std::vector<model::NodeId> ready;
@@ -63,7 +64,7 @@ class ChangedGroups {
     explicit Changed(const allocator_type& memory) : children(memory) {}
 
     Children children;
-    std::size_t groups_below = 0;  // among its children, not visited
+    std::size_t groups_below = 0;  // children that have changed and are not visited
   };
 
   model::NodeId parent_of(model::NodeId group) const { return (*nodes_.find(group))->parent; }

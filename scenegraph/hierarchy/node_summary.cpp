@@ -34,7 +34,7 @@ std::int32_t log_ceiling(double x) {
   return fraction == 0.5 ? exponent - 1 : exponent;
 }
 
-/// For bounds that few roundings have made.
+/// A factor above the few roundings of a bound.
 constexpr double kRoundedUp = 1 + 0x1p-49;
 
 /// NodeSummary::reach in the frame that `a` maps to.
@@ -42,9 +42,10 @@ double mapped_reach(const model::Affine& a, double reach) {
   return (spectral_bound(a) * reach + std::hypot(a.m[3], a.m[7], a.m[11])) * kRoundedUp;
 }
 
-/// Row by row, which is finer where axes differ. But rotations one above the other increase that
-/// without limit, and the reach not at all: no term exceeds three times the reach, because the
-/// magnitudes of a matrix have at most sqrt(3) times its norm, and two such factors meet in a term.
+/// NodeSummary::magnitude in the frame that `a` maps to, row by row, which is finer where axes
+/// differ. Rotations one above the other would increase that without limit, and the reach not at
+/// all: no term exceeds three times the reach, because the magnitudes of a matrix have at most
+/// sqrt(3) times its norm, and two such factors meet in a term.
 accel::geometry::Vec3d magnitude_within(double reach, const model::Affine& a,
                                         const accel::geometry::Vec3d& magnitude) {
   const double most = 3 * reach;
@@ -58,13 +59,14 @@ accel::geometry::Vec3d magnitude_within(double reach, const model::Affine& a,
   return r;
 }
 
-/// To the frame above.
+/// Maps the extremes to the frame above.
 void map_extremes(const model::Affine& a, NodeSummary& part) {
   part.reach = mapped_reach(a, part.reach);
   part.magnitude = magnitude_within(part.reach, a, part.magnitude);
   part.box = mapped(a, part.box);
   for (std::size_t row = 0; row < 3; ++row) {
-    // Four roundings of terms within magnitude, or within three times that where the reach is less.
+    // This covers four roundings of terms within magnitude, or within three times that where the
+    // reach is less.
     const double off = part.magnitude[row] * 0x1p-49;
     // Boxes of boxes grow with every rotation; coordinates do not exceed their magnitude. The
     // share is far more than what roundings over all levels have taken off.
@@ -77,7 +79,7 @@ void map_extremes(const model::Affine& a, NodeSummary& part) {
 }
 
 /// Replaces `before` by `after` (null: none) in a maximum or minimum that `count` parts reach.
-/// False: only the other parts know the new extreme.
+/// Returns false if only the other parts know the new extreme.
 template <class T, class Beyond>
 bool replace_extreme(T& extreme, std::uint32_t& count, const T* before, const T* after,
                      const Beyond& beyond) {

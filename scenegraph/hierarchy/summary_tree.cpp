@@ -1,4 +1,4 @@
-// From the changed children up, step by step.
+// Updates partial sums from the changed children up.
 #include "scenegraph/hierarchy/summary_tree.h"
 
 namespace sightline::scenegraph::hierarchy {
@@ -13,7 +13,8 @@ NodeSummary value(const Steps& steps, std::uint64_t key) {
 
 bool is_nothing(const NodeSummary& sum) { return sum.height == 0; }
 
-/// The step over `changed`, which are all its own; `known` is what it was.
+/// Returns a partial sum of which only the parts `changed` have changed. `known` is its former
+/// value, or null.
 NodeSummary step(const NodeSummary* known, std::uint64_t key,
                  std::span<const std::uint64_t> changed, const SummaryTree::Parts& parts) {
   if (known != nullptr) {
@@ -29,7 +30,7 @@ NodeSummary step(const NodeSummary* known, std::uint64_t key,
   return sum;
 }
 
-/// Brings one level up to date; returns the steps that are other than before.
+/// Updates one level; returns the keys of the partial sums that it has updated.
 std::vector<std::uint64_t> update_level(Steps& steps, std::span<const std::uint64_t> changed,
                                         const SummaryTree::Parts& parts) {
   std::vector<std::uint64_t> keys;
@@ -58,7 +59,8 @@ void SummaryTree::update(std::span<const model::NodeId> changed, const Parts& pa
       // The topmost level is one step, that of key 0, and stays so while no key is larger.
       if (level > 0 && keys.back() == 0) return;
       levels_.emplace_back();
-      if (level > 0 && keys.front() != 0) keys.insert(keys.begin(), 0);  // what was topmost so far
+      // the step that was topmost
+      if (level > 0 && keys.front() != 0) keys.insert(keys.begin(), 0);
     }
     const Steps before = levels_[level];
     keys = update_level(levels_[level], keys, of_level);

@@ -13,7 +13,8 @@
 namespace sightline::scenegraph::hierarchy {
 
 /// Partial sums are grouped by child id: each covers up to kFan children, or kFan partial sums of
-/// the level below. Copies share their content, as PersistentMap: a copy costs a few pointers.
+/// the level below. Copies share their content, as those of PersistentMap do: a copy costs a few
+/// pointers.
 class SummaryTree {
  public:
   static constexpr unsigned kBits = 5;
@@ -27,11 +28,11 @@ class SummaryTree {
     std::function<NodeSummary(model::NodeId)> before, after;
   };
 
-  /// `changed`: the ids of children whose parts differ, added and removed ones too; ascending, each
-  /// once. Exact: the result does not depend on the history of changes.
+  /// Updates the sum. `changed` are the ids of children whose parts differ, added and removed ones
+  /// too; ascending, each once. Exact: the result does not depend on the history of changes.
   void update(std::span<const model::NodeId> changed, const Parts& parts);
 
-  /// Of all children.
+  /// The sum over all children.
   NodeSummary total() const;
   /// The total if the parts of `changed` were `after` instead of `before`.
   NodeSummary total_with(std::span<const model::NodeId> changed, const Parts& parts) const;
@@ -39,7 +40,7 @@ class SummaryTree {
  private:
   using Steps = model::PersistentMap<std::shared_ptr<const NodeSummary>>;
 
-  std::vector<Steps> levels_;  // the first by id >> kBits
+  std::vector<Steps> levels_;  // keys of the first level: id >> kBits
 };
 
 }  // namespace sightline::scenegraph::hierarchy

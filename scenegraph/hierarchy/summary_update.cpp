@@ -58,7 +58,7 @@ void SummaryUpdate::edited(model::NodeId id) {
   const bool left = old != nullptr && (node == nullptr || node->parent != old->parent);
   if (left && is_parent(old->parent)) changed_[old->parent].push_back(id);
   if (node != nullptr && !node->children.empty()) {
-    (void)changed_[id];  // a change of its parent after its own sum
+    (void)changed_[id];  // once summed up, it is a changed child of its parent
     return;
   }
   if (old != nullptr && !old->children.empty()) {
@@ -68,7 +68,7 @@ void SummaryUpdate::edited(model::NodeId id) {
   if (node != nullptr) changed_[node->parent].push_back(id);
 }
 
-/// Whether the node is there and has children. One that has lost its last was edited too.
+/// Whether the node is there and has children. A node that has lost its last child was edited too.
 bool SummaryUpdate::is_parent(model::NodeId id) const {
   if (id == 0) return true;
   const model::Node* node = after_.find(id);
@@ -124,7 +124,7 @@ NodeSummary SummaryUpdate::tree_sum(model::NodeId group, const Children& changed
   return sum;
 }
 
-/// False if all children are needed.
+/// Changes the group's former sum by the changed children; false if all children are needed.
 bool SummaryUpdate::adjust(model::NodeId group, const Children& changed, NodeSummary& sum) const {
   const std::shared_ptr<const NodeSummary>* known = before_.summaries.find(group);
   if (known == nullptr || changed.size() * kAdjustBelow > children_of(after_, group).size())

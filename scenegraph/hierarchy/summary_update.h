@@ -11,7 +11,7 @@
 
 namespace sightline::scenegraph::hierarchy {
 
-/// Revisions by node. Deleted nodes may have an entry too.
+/// The revision that changed a node last. Deleted nodes may have an entry too.
 using ChangeMap = model::PersistentMap<std::uint64_t>;
 
 class SummaryTree;
@@ -19,28 +19,28 @@ class SummaryTree;
 /// A hierarchy and its summaries.
 struct Hierarchy {
   NodeMap nodes;
-  /// Shared among revisions, as nodes are. Never null.
+  /// The scene's roots, shared among revisions as nodes are. Never null.
   std::shared_ptr<const model::ChildList> roots = std::make_shared<const model::ChildList>();
   SummaryMap summaries;
-  /// For groups with more than SummaryTree::kWide children (0: the scene's roots).
+  /// The sums of groups with more than SummaryTree::kWide children; 0 stands for the scene.
   model::PersistentMap<std::shared_ptr<const SummaryTree>> summary_trees;
-  /// By node: the revision that changed it last, since it left the static tree. Nodes without an
-  /// entry, here and above them, are in the static tree; see revision/mobility.h.
+  /// The revision that changed a node last, since it left the static tree. Nodes without an entry,
+  /// here and above them, are in the static tree; see revision/mobility.h.
   ChangeMap changed_at;
 
-  /// Null if there is no such node.
+  /// The node; null if there is none.
   const model::Node* find(model::NodeId id) const {
     const std::shared_ptr<const model::Node>* node = nodes.find(id);
     return node == nullptr ? nullptr : node->get();
   }
-  /// 0: the whole scene.
+  /// The summary of a node; 0 stands for the whole scene.
   NodeSummary summary(model::NodeId id) const;
   NodeSummary summary(const model::Node& node) const;
-  /// Of a node that has children.
+  /// The summary of a node that has children.
   const NodeSummary& group(model::NodeId id) const { return **summaries.find(id); }
 };
 
-/// Whether test(id) is true for the node or for one above it. `id` may be 0: then it is false.
+/// Whether test(id) is true for the node or for one above it; false if `id` is 0.
 template <class Test>
 bool any_upward(const Hierarchy& hierarchy, model::NodeId id, const Test& test) {
   while (id != 0 && !test(id)) id = hierarchy.find(id)->parent;
@@ -51,8 +51,8 @@ bool any_upward(const Hierarchy& hierarchy, model::NodeId id, const Test& test) 
 model::Affine world_from_local(const Hierarchy& hierarchy, const model::Node& node);
 
 /// Calls visit(node, world_from_local, local_from_world) for each instance that rays can meet: no
-/// node is flat from the root down to it, and all transforms together are invertible. In the order
-/// of a walk.
+/// node is flat from the root down to it, and all transforms together are invertible. The order is
+/// that of a walk.
 template <class Visit>
 void for_each_reached(const Hierarchy& hierarchy, const Visit& visit) {
   struct Siblings {
@@ -79,23 +79,24 @@ void for_each_reached(const Hierarchy& hierarchy, const Visit& visit) {
   }
 }
 
-/// 0: the roots.
+/// The children of a group; 0 stands for the scene.
 const model::ChildList& children_of(const Hierarchy& in, model::NodeId group);
 
 /// What the child adds to the group's summary; empty if it is not one of its children.
 NodeSummary summary_of_child(const Hierarchy& in, model::NodeId group, model::NodeId child);
 
-/// For one revision. Cost: each group above an edited node once, by its edited children. If those
-/// alone reached an extreme, by all its children, unless a SummaryTree holds their sum.
+/// Updates the summaries of one revision. Cost: each group above an edited node once, by its edited
+/// children; by all its children if the edited ones alone reached an extreme, or are more than a
+/// quarter, unless a SummaryTree holds their sum.
 class SummaryUpdate {
  public:
   /// `after.summaries` is still that of `before`.
   SummaryUpdate(const Hierarchy& before, Hierarchy& after);
 
-  /// To be called for each node that was made, changed or deleted, once.
+  /// Must be called once for each node that was made, changed or deleted.
   void edited(model::NodeId id);
 
-  /// After the last: brings after.summaries up to date. Returns false soon after `cancelled` is
+  /// Updates after.summaries, after the last edited(). Returns false soon after `cancelled` is
   /// true, and where the hierarchy is deeper than kMaxDepth; the summaries are then not all up to
   /// date.
   bool finish(const std::atomic<bool>* cancelled = nullptr);

@@ -14,11 +14,11 @@ namespace sightline::scenegraph::instances {
 /// A node that carries a mesh with a finite triangle, with its world transform.
 struct Instance {
   model::Affine local_from_world;
-  accel::geometry::Aabb box;  ///< World, less Instances::center(), rounded outward.
+  accel::geometry::Aabb box;  ///< The world box, relative to Instances::center(), rounded outward.
   model::NodeId node = 0;
   model::NodeId parent = 0;
   std::uint32_t mask = accel::geometry::kAllMasks;
-  std::uint32_t index = 0;  ///< Among Instances.
+  std::uint32_t index = 0;  ///< Its index among Instances.
   const model::Mesh* mesh = nullptr;
   std::atomic<bool>* entered = nullptr;
 

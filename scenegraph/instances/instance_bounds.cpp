@@ -7,11 +7,11 @@
 namespace sightline::scenegraph::instances {
 namespace {
 
-/// For each unit of the condition: the share of the largest coordinate that a transform and its
-/// inverse may be off.
+/// The share of the largest coordinate that a transform and its inverse may be off, for each unit
+/// of the condition number.
 constexpr double kPadPerCondition = 0x1p-48;
-/// For each level below a group: more than the four roundings of a product of transforms, of terms
-/// up to the magnitude, and those of mapping a box.
+/// The share of the magnitude that boxes may be off, for each level below a group: more than the
+/// four roundings of a product of transforms, and those of mapping a box.
 constexpr double kErrorPerLevel = 0x1p-49;
 
 double magnitude(const model::DoubleBox& b) {
@@ -20,7 +20,7 @@ double magnitude(const model::DoubleBox& b) {
   return m;
 }
 
-/// Outward, through two roundings: the subtraction and the narrowing.
+/// The box relative to the center, rounded outward twice: in the subtraction and in the narrowing.
 accel::geometry::Aabb relative(const model::DoubleBox& world,
                                const accel::geometry::Vec3d& center) {
   accel::geometry::Aabb box;
@@ -32,9 +32,10 @@ accel::geometry::Aabb relative(const model::DoubleBox& world,
   return box;
 }
 
-/// No instance below has a larger condition: it is at most the product of those on the way, but for
-/// a factor of 3 between the norms and what kRoundUp took off; and none beyond kMaxCondition is an
-/// instance. The roundings of each level change it by up to 12 units of 2^-53, times itself.
+/// A bound on the condition number of instances below: it is at most the product of those on the
+/// way, but for a factor of 3 between the norms and what kRoundUp took off; and none beyond
+/// kMaxCondition is an instance. The roundings of each level change it by up to 12 units of 2^-53,
+/// times itself.
 double worst_condition(const model::Affine& world_from_local,
                        const hierarchy::NodeSummary& summary) {
   const std::optional<model::Affine> back = inverse(world_from_local);

@@ -15,13 +15,13 @@
 namespace sightline::scenegraph::instances {
 
 /// The box of a mesh's box in the world, padded for the rounding of the transform and of its
-/// inverse. Relative to the center, rounded outward.
+/// inverse; relative to the center, rounded outward.
 accel::geometry::Aabb instance_box(const model::Affine& world_from_local,
                                    const model::Affine& local_from_world,
                                    const accel::geometry::Aabb& mesh,
                                    const accel::geometry::Vec3d& center);
 
-/// The box of a group with instances: holds the box of each.
+/// The box of a group with instances, which holds the box of each.
 accel::geometry::Aabb group_box(const model::Affine& world_from_local,
                                 const hierarchy::NodeSummary& summary,
                                 const accel::geometry::Vec3d& center);

@@ -1,4 +1,4 @@
-// A yes or no for each instance, decided at the first question and then remembered.
+// Whether each instance passes a filter, decided at the first question and then remembered.
 #pragma once
 
 #include <atomic>
@@ -15,7 +15,7 @@ class InstanceFilter {
  public:
   explicit InstanceFilter(std::size_t instances) : states_(instances) {}
 
-  /// Calls decide() the first time. Throws std::bad_alloc.
+  /// Whether the instance passes: what decide() returns the first time. Throws std::bad_alloc.
   template <class Decide>
   bool passes(std::size_t index, const Decide& decide) const {
     const State state = states_[index].load(std::memory_order_relaxed);

@@ -25,7 +25,7 @@ std::uint32_t weight(std::uint64_t entry_cost, unsigned shift) {
 /// Children that one thread opens at a time.
 constexpr std::size_t kChildrenPerSlice = 1024;
 
-/// Children looked up together.
+/// Number of children that are looked up together.
 constexpr std::size_t kTogether = 32;
 
 /// Requests the object's cache lines.
@@ -36,8 +36,8 @@ void prefetch(const T* object) {
     __builtin_prefetch(reinterpret_cast<const char*>(object) + at);
 }
 
-/// Nodes of a large scene are far apart in memory. Each step is done for all children before the
-/// next step, so that their cache misses overlap.
+/// Appends the members among these children. Nodes of a large scene are far apart in memory: each
+/// step is done for all children before the next step, so that their cache misses overlap.
 void add_members(const MobilityView& view, std::span<const model::NodeId> children,
                  std::vector<Member>& members) {
   const hierarchy::Hierarchy& hierarchy = view.hierarchy();
@@ -65,12 +65,12 @@ bool is_root_of_moved(const MobilityView& view, const Group& group) {
   return group.node == nullptr && !view.is_static();
 }
 
-/// Of a group that is not is_root_of_moved().
+/// The children of a group that is not is_root_of_moved().
 const model::ChildList& children_of(const MobilityView& view, const Group& group) {
   return group.node == nullptr ? *view.hierarchy().roots : group.node->children;
 }
 
-/// Of a slice of the group's children.
+/// The members in a slice of the group's children.
 std::vector<Member> members_of(const MobilityView& view, const Group& group, std::size_t slice) {
   const std::size_t begin = slice * kChildrenPerSlice;
   if (is_root_of_moved(view, group)) {
@@ -145,7 +145,7 @@ class SliceBuilder {
     }
   }
 
-  /// Remembers the transform of the last parent, for siblings.
+  /// The transform of a root. Remembers that of the last parent, for siblings.
   model::Affine world_of_root(const model::Node& node) {
     if (node.parent == 0) return node.parent_from_local;
     if (node.parent != parent_) {
@@ -206,7 +206,7 @@ class SliceBuilder {
   std::unique_ptr<OpenedSlice> slice_ = std::make_unique<OpenedSlice>();
 };
 
-/// Of the siblings. The root group of a dynamic tree has no box of its own.
+/// The box of the siblings. The root group of a dynamic tree has no box of its own.
 accel::geometry::Aabb box_over(const MobilityView& view, const Group& group,
                                std::span<const Reference> siblings) {
   if (!is_root_of_moved(view, group)) return group.box;
@@ -237,7 +237,7 @@ std::unique_ptr<const Opened::Siblings> collect_siblings(const MobilityView& vie
   return siblings;
 }
 
-/// Binary search: the last element whose first number is at most `number`.
+/// Finds the last element whose first number is at most `number`, by binary search.
 template <class Ordered, class First>
 const auto& last_up_to(const Ordered& ordered, std::uint32_t number, const First& first) {
   std::size_t at = 0;

@@ -24,21 +24,24 @@ struct Group {
   Group& operator=(const Group&) = delete;
   ~Group();
 
-  const model::Node* node = nullptr;  ///< Null: the root group, all of the tree.
+  /// The node; null for the root group, which is all of the tree.
+  const model::Node* node = nullptr;
   model::Affine world_from_local;
-  accel::geometry::Aabb box;  ///< As Instance::box; holds all boxes below.
-  std::uint32_t number = 0;   ///< Among the groups; the root group has none.
+  /// The group's box, in the frame of Instance::box; holds all boxes below.
+  accel::geometry::Aabb box;
+  std::uint32_t number = 0;  ///< Its number as a group; the root group has none.
   /// The first numbers below the group. Numbers follow a walk, nodes before their children, and do
   /// not depend on what was opened or when.
   std::uint32_t first_instance = 0, first_group = 0, first_cluster = 0;
-  /// Its box is nearly as large as its parent's, so a reference to it would not help culling.
+  /// Whether its box is nearly as large as its parent's, so that a reference to it would not help
+  /// culling.
   bool opens_at_once = false;
   mutable std::atomic<Opened*> opened{nullptr};
 };
 
 /// The members of some of a group's children.
 struct OpenedSlice {
-  std::uint32_t first_group = 0, first_cluster = 0;  ///< As of Group.
+  std::uint32_t first_group = 0, first_cluster = 0;  ///< The first numbers in the slice.
   std::vector<Instance> instances;
   std::vector<Group> groups;
   std::vector<accel::kdtree::Reference> refs;
@@ -56,34 +59,34 @@ struct Opened {
   struct Siblings {
     SiblingClusters levels;
     std::vector<std::span<const accel::kdtree::Reference>>
-        clusters;                    ///< By number, from Group::first_cluster.
-    bool some_open_at_once = false;  ///< Of the groups.
+        clusters;                    ///< Their members, by number from Group::first_cluster on.
+    bool some_open_at_once = false;  ///< Whether some groups open at once.
   };
 
   accel::lazy::SharedSlices<Numbers> numbers;
   accel::lazy::SharedSlices<OpenedSlice> slices;
   accel::lazy::SharedSlices<Siblings> siblings{1};
-  std::atomic<bool> listed{false};  ///< The instances can be found by number.
+  std::atomic<bool> listed{false};  ///< Whether instances can be found by number.
 };
 
-/// Of a complete group's children, the one that has this number or is above the group that has it.
+/// Finds the child of a complete group that has this number or is above the group that has it.
 const Group& child_towards_group(const Opened& opened, std::uint32_t number);
-/// Of a complete group's children, the one that has the run with this number or is above the group
+/// Finds the child of a complete group that has the cluster with this number or is above the group
 /// that has it.
 const Group& child_towards_cluster(const Opened& opened, std::uint32_t number);
 
 /// All of the tree as one group.
 std::unique_ptr<Group> root_group(const MobilityView& view);
 
-/// How weights are made from entry costs: shifted right by this, so that they sum below 2^32.
+/// Returns by how much entry costs are shifted right to make weights, so that these sum below 2^32.
 unsigned weight_shift(std::uint64_t total_cost);
 
-/// Of the group's children, those in other trees too; of the root group's, those where the view
-/// begins.
+/// The number of the group's children, those in other trees too; for the root group of a dynamic
+/// tree, the number of roots in its view.
 std::size_t count_children(const MobilityView& view, const Group& group);
 
-/// Returns when `opened` is complete, which is a pure function of the other arguments. Throws
-/// std::bad_alloc.
+/// Opens a group. Returns when `opened` is complete; its content is a pure function of the other
+/// arguments. Throws std::bad_alloc.
 void open_group(const MobilityView& view, const Group& group, unsigned shift, Opened& opened);
 
 }  // namespace sightline::scenegraph::instances

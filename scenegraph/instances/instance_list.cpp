@@ -116,7 +116,8 @@ const Opened& Instances::opened(const Group& group) const {
   return *now;
 }
 
-/// Every thread does this until one has completed it, because the first may have been stopped.
+/// Makes the instances accessible by index. Every thread does this until one has completed it,
+/// because the first may have been stopped.
 void Instances::enlist(const Opened& opened) const {
   for (std::size_t i = 0; i < opened.slices.size(); ++i) {
     if (opened.listed.load(std::memory_order_acquire)) return;
@@ -125,7 +126,7 @@ void Instances::enlist(const Opened& opened) const {
   }
 }
 
-/// Appended references begin at `first`.
+/// Appends the members of a group to `out`, where they begin at `first`.
 void Instances::append(const Opened& opened, std::size_t first, std::vector<Reference>& out) const {
   const Opened::Siblings& siblings = opened.siblings[0];
   const std::vector<Reference>& refs = siblings.levels.coarsest();

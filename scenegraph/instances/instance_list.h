@@ -26,19 +26,20 @@ struct Opened;
 /// Threads: all members, any; no thread waits for a stopped one.
 class Instances {
  public:
-  /// The hierarchy must outlive this. `moved`: what a dynamic tree holds; null: the static tree.
+  /// The hierarchy must outlive this. `moved` is what a dynamic tree holds; null for the static
+  /// tree.
   Instances(const hierarchy::Hierarchy& hierarchy, const MovedNodes* moved);
   ~Instances();
   Instances(const Instances&) = delete;
   Instances& operator=(const Instances&) = delete;
 
-  /// Every thread calls this before any other member. Opens the roots at the first call.
+  /// Every thread must call this before any other member. Opens the roots at the first call.
   void begin() const;
   bool begun() const { return roots_.load(std::memory_order_acquire) != nullptr; }
 
-  /// How many there are, opened or not.
+  /// The number of instances, opened or not.
   std::size_t size() const { return instances_.size(); }
-  /// `index`: of a reference that was opened, so of any that a list or leaf of the tree holds.
+  /// An instance. Its reference was opened, as that of any in a list or leaf of the tree was.
   const Instance& operator[](std::size_t index) const {
     return *instances_[index].load(std::memory_order_acquire);
   }
@@ -46,7 +47,7 @@ class Instances {
   /// Scene coordinates are taken relative to this point, so that the tree's floats are as fine as
   /// its extent allows.
   const accel::geometry::Vec3d& center() const { return view_.center(); }
-  /// Its leaves hold indices of instances. Growing it does not change the snapshot.
+  /// The kd-tree, whose leaves hold indices of instances. Growing it does not change the snapshot.
   accel::lazy::LazyTree& tree() const { return *opened_roots().tree; }
   /// Bytes of the tree, without the instances.
   std::uint64_t tree_bytes() const;
@@ -56,22 +57,22 @@ class Instances {
   /// Appends the members of an openable reference: the same at every call, from any thread.
   /// Throws std::bad_alloc.
   void open(const accel::kdtree::Reference& ref, std::vector<accel::kdtree::Reference>& out) const;
-  /// The members of a cluster, where they are; none of other references.
+  /// The members of a cluster, where they lie; none for other references.
   std::span<const accel::kdtree::Reference> members_of_cluster(
       const accel::kdtree::Reference& ref) const;
   /// Whether open() need not make the members of an openable reference.
   bool is_open(const accel::kdtree::Reference& ref) const;
 
-  /// Whether rays search the members, from the coarsest on, instead of walking the tree: those of a
-  /// dynamic tree with clusters, while that has cost less than growing the tree.
+  /// Whether rays search the members, from the coarsest on, instead of walking the tree. This holds
+  /// for a dynamic tree with clusters, while it has cost less than growing the tree.
   bool is_searched() const;
-  /// Rays have tested this number of members in searches.
+  /// Counts members that rays have tested in searches.
   void count_searched(std::uint64_t tests) const {
     searched_.fetch_add(tests, std::memory_order_relaxed);
   }
 
-  /// Of a dynamic tree: calls visit(id, node, instance) for each of its roots. `instance` is null
-  /// unless the root is an instance without children.
+  /// Calls visit(id, node, instance) for each root of a dynamic tree. `instance` is null unless the
+  /// root is an instance without children.
   template <class Visit>
   void for_each_root(const Visit& visit) const {
     std::size_t index = 0;
@@ -89,7 +90,7 @@ class Instances {
  private:
   using Cluster = std::span<const accel::kdtree::Reference>;
 
-  /// Made when the roots are opened.
+  /// What is made when the roots are opened.
   struct Roots {
     std::vector<accel::kdtree::Reference> coarsest;
     std::unique_ptr<accel::lazy::LazyTree> tree;

@@ -39,7 +39,7 @@ class LazyArray {
   std::size_t size() const { return size_; }
 
  private:
-  /// A page of memory.
+  /// The number of objects in a page of memory.
   static constexpr std::size_t kPerBlock = std::max<std::size_t>(4096 / sizeof(T), 1);
 
   static T* make(std::atomic<T*>& block) {

@@ -1,4 +1,4 @@
-// Sums over the static side, from the dynamic roots up; the roots of a dynamic side.
+// Sums up the static side, from the dynamic roots up; finds the roots of a dynamic side.
 #include "scenegraph/instances/mobility_view.h"
 
 #include <algorithm>
@@ -21,8 +21,8 @@ struct Candidate {
   bool is_hidden = false;  // it is flat, or a node above it is
 };
 
-/// Appends the roots of an older tree. Its instances have the boxes of this one if the centers are
-/// the same.
+/// Appends the roots of an older tree. Its instances are used again if the centers are the same, as
+/// then their boxes are.
 void add_part(const SceneTree& part, const accel::geometry::Vec3d& center,
               std::vector<Candidate>& candidates) {
   const Instances& instances = part.instances();
@@ -42,8 +42,8 @@ void add_changed(const std::optional<model::ChildList>& some, const hierarchy::H
   }
 }
 
-/// Gives the candidates their nodes in this hierarchy. An older tree's instance is that of the same
-/// node: what changes a node makes another. Lookups of many nodes overlap.
+/// Gives the candidates their nodes in this hierarchy. An older tree's instance is used again only
+/// if the node is the same object, as a change makes another. Lookups of many nodes overlap.
 void find_nodes(const hierarchy::Hierarchy& hierarchy, std::span<Candidate> candidates) {
   constexpr std::size_t kLookups = 32;
   std::array<model::NodeId, kLookups> ids;
@@ -68,7 +68,7 @@ class ChangedAfter {
  public:
   struct Above {
     bool is_changed = false;
-    bool is_flat = false;  // of unchanged ones
+    bool is_flat = false;  // only if nothing is changed
   };
 
   ChangedAfter(const hierarchy::Hierarchy& hierarchy, std::uint64_t after)
@@ -78,7 +78,7 @@ class ChangedAfter {
     const std::uint64_t* at = hierarchy_.changed_at.find(id);
     return at != nullptr && *at > after_;
   }
-  /// Of the node and those above it. Remembers the last answer, for siblings.
+  /// The state of the node and those above it. Remembers the last answer, for siblings.
   const Above& at_or_above(model::NodeId id) {
     if (id == last_) return above_;
     last_ = id;
@@ -99,8 +99,8 @@ class ChangedAfter {
   Above above_;
 };
 
-/// Keeps those of the candidates that are there, have changed after this revision, and have no such
-/// node above them; ascending, each once.
+/// Keeps the candidates that are there, have changed after this revision, and have no such node
+/// above them; ascending, each once.
 void keep_topmost(const hierarchy::Hierarchy& hierarchy, std::uint64_t after,
                   std::vector<Candidate>& candidates) {
   std::ranges::sort(candidates, {}, &Candidate::id);
@@ -117,14 +117,14 @@ void keep_topmost(const hierarchy::Hierarchy& hierarchy, std::uint64_t after,
           changed.at_or_above(known != nullptr ? known->parent : node->parent);
       if (above.is_changed) continue;
       candidates[kept] = candidate;
-      // What is known of an older tree is not flat.
+      // A node whose instance an older tree has is not flat.
       candidates[kept++].is_hidden = above.is_flat || (known == nullptr && node->is_flat);
     }
   }
   candidates.resize(kept);
 }
 
-/// The origin for an empty or infinite box.
+/// The middle of a box; the origin if it is empty or infinite.
 accel::geometry::Vec3d middle(const model::DoubleBox& box) {
   const accel::geometry::Vec3d m = (box.lo + box.hi) * 0.5;
   return accel::geometry::is_finite(m) ? m : accel::geometry::Vec3d{};
@@ -198,7 +198,7 @@ const hierarchy::NodeSummary& MobilityView::group(model::NodeId id,
   return found == without_dynamic_.end() ? known : found->second;
 }
 
-/// Each group above a dynamic root once.
+/// Sums up each group above a dynamic root once, without the dynamic nodes.
 void MobilityView::leave_out_dynamic(const std::vector<model::NodeId>& roots) {
   hierarchy::ChangedGroups above(hierarchy_.nodes);
   for (const model::NodeId id : roots) above[hierarchy_.find(id)->parent].push_back(id);
@@ -210,7 +210,8 @@ void MobilityView::leave_out_dynamic(const std::vector<model::NodeId>& roots) {
   });
 }
 
-/// `changed`: the group's children that are dynamic roots or above some.
+/// The group's summary without the dynamic nodes. `changed` are its children that are dynamic roots
+/// or above some.
 hierarchy::NodeSummary MobilityView::without_dynamic(
     model::NodeId group, const std::vector<model::NodeId>& changed) const {
   const auto before = [&](model::NodeId id) { return summary_of_child(hierarchy_, group, id); };

@@ -19,21 +19,22 @@ class SceneTree;
 /// What a dynamic tree holds: the nodes that changed after a revision, with all nodes below them.
 struct MovedNodes {
   std::uint64_t after = 0;
-  /// Has each of these nodes that is in none of the parts. May repeat some, and may have others.
-  /// Nothing: all that have changed.
+  /// A list with each of these nodes that is in none of the parts; it may repeat some, and may have
+  /// others. None: all nodes that have changed.
   std::optional<model::ChildList> candidates = std::nullopt;
-  /// Trees that rays have asked for: what has not left them is taken over as it is.
+  /// Trees that rays have asked for. Their instances that have not left them are used again.
   std::vector<std::shared_ptr<const SceneTree>> parts = {};
-  /// Coordinates are relative to its centre.
+  /// The static tree, to whose center coordinates are relative.
   std::shared_ptr<const SceneTree> static_tree = nullptr;
 };
 
 /// A child of a group, with instances at or below it.
 struct Member {
   const model::Node* node = nullptr;
-  const hierarchy::NodeSummary* group = nullptr;  ///< Null: an instance and nothing else.
-  bool is_leaf = false;                           ///< Of a root of a dynamic side: no children.
-  /// The same instance in another tree with the same center. Null: it must be made.
+  /// The summary of a group; null for an instance alone.
+  const hierarchy::NodeSummary* group = nullptr;
+  bool is_leaf = false;  ///< Whether a root of a dynamic side has no children.
+  /// Its instance in another tree with the same center; null if it must be made.
   const Instance* known = nullptr;
 };
 
@@ -43,18 +44,19 @@ struct Member {
 /// number.
 class MobilityView {
  public:
-  /// The hierarchy must outlive this. Null: the static side.
+  /// The hierarchy must outlive this. `moved` is null for the static side.
   MobilityView(const hierarchy::Hierarchy& hierarchy, const MovedNodes* moved);
 
   const hierarchy::Hierarchy& hierarchy() const { return hierarchy_; }
   bool is_static() const { return is_static_; }
-  /// Where a dynamic side begins: the topmost of the nodes that changed, ascending; those that have
+  /// The roots of a dynamic side: the topmost of the nodes that changed, ascending; those that have
   /// instances, and those that have none.
   std::span<const Member> moved() const { return moved_; }
   std::span<const model::NodeId> moved_without_instances() const { return without_instances_; }
-  /// Of the static side, in world space; of a dynamic one only `instances` and `entry_cost`.
+  /// The summary of the static side, in world space; that of a dynamic side has only `instances`
+  /// and `entry_cost`.
   const hierarchy::NodeSummary& all() const { return all_; }
-  /// Of the scene's coordinates, as trees use them.
+  /// The point to which the coordinates of trees are relative.
   const accel::geometry::Vec3d& center() const { return center_; }
   /// Whether a child of a node of this side belongs to it too.
   bool holds(const model::Node& node) const {
@@ -74,7 +76,7 @@ class MobilityView {
   std::vector<Member> moved_;
   std::vector<model::NodeId> without_instances_;
   std::unordered_map<model::NodeId, hierarchy::NodeSummary>
-      without_dynamic_;  // of the static side: groups above dynamic roots
+      without_dynamic_;  // by group above dynamic roots, on the static side
   hierarchy::NodeSummary all_;
   accel::geometry::Vec3d center_;
 };

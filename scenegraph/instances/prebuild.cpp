@@ -26,7 +26,7 @@ void each_leaf(Slot slot, const Aabb& box, const Visit& visit) {
     each_leaf(slot.node()->child(i), slot.node()->box(i), visit);
 }
 
-/// That of the frame of its tree, in scene coordinates.
+/// The center of the tree's frame, in scene coordinates.
 accel::geometry::Vec3d center_of(const Instances& instances) {
   return accel::geometry::Vec3d(instances.tree().frame().center) + instances.center();
 }

@@ -6,8 +6,8 @@
 namespace sightline::scenegraph::instances {
 namespace {
 
-/// At least the tree's number of instances. A writer asks, and does not wait for rays that are
-/// opening the tree.
+/// An upper bound on the tree's number of instances. A writer asks for it, and does not wait for
+/// rays that are opening the tree.
 std::size_t most_instances(const SceneTree& tree) {
   const Instances* opened = tree.instances_so_far();
   return opened != nullptr ? opened->size() : tree.hierarchy().summary(0).instances;
@@ -22,8 +22,8 @@ std::shared_ptr<const MovedNodes> SceneTree::moved() const {
   return moved_;
 }
 
-/// Never blocks on another thread: the first result is kept. Each that makes one keeps the parts
-/// until it is done.
+/// No thread waits for another: several may make the instances, and the first result is kept. Each
+/// that makes them keeps the parts until it is done.
 const Instances& SceneTree::instances() const {
   if (const Instances* opened = instances_so_far()) return *opened;
   wanted_.store(true, std::memory_order_relaxed);

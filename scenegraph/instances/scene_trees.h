@@ -17,7 +17,7 @@
 
 namespace sightline::scenegraph::instances {
 
-/// One of the trees. Its instances are made when a ray first needs them. Immutable apart from
+/// One of a scene's trees. Its instances are made when a ray first needs them. Immutable apart from
 /// opening and growing. Threads: all members, any; no thread waits for another.
 class SceneTree {
  public:
@@ -31,16 +31,16 @@ class SceneTree {
   SceneTree(const SceneTree&) = delete;
   SceneTree& operator=(const SceneTree&) = delete;
 
-  /// Of the revision that this tree was made for.
+  /// The hierarchy of the revision that this tree was made for.
   const hierarchy::Hierarchy& hierarchy() const { return hierarchy_; }
   bool is_static() const { return is_static_; }
-  /// Rays have asked for the instances: some thread has made them, or does so.
+  /// Whether rays have asked for the instances: some thread has made them, or does so.
   bool is_wanted() const { return wanted_.load(std::memory_order_relaxed); }
-  /// What a dynamic tree will hold, until rays have opened it. Then null: the parts are let go.
+  /// What a dynamic tree will hold; null once rays have opened it, when the parts are released.
   std::shared_ptr<const MovedNodes> moved() const;
   /// Makes the instances at the first call. Throws std::bad_alloc.
   const Instances& instances() const;
-  /// Null until instances() has been called.
+  /// The instances; null until instances() has opened them.
   const Instances* instances_so_far() const;
 
  private:
@@ -56,11 +56,11 @@ class SceneTree {
 /// The tree still holds them; rays skip them. Threads: any.
 class RemovedFilter {
  public:
-  /// `last`: as of Tier; `changed_at`: of the revision whose rays ask. Opens nothing.
+  /// `last` is Tier::last; `changed_at` is that of the revision whose rays ask. Opens nothing.
   RemovedFilter(std::shared_ptr<const SceneTree> tree, std::uint64_t last,
                 hierarchy::ChangeMap changed_at);
 
-  /// `index`: of an opened instance of the tree.
+  /// Whether an opened instance has left the tree.
   bool has(std::size_t index) const {
     return removed_.passes(index, [&] { return decide(index); });
   }
@@ -78,30 +78,30 @@ class RemovedFilter {
 /// in which it, or a node above it, changed last; the static tree has those that did not.
 struct Tier {
   std::shared_ptr<const SceneTree> tree{};
-  std::shared_ptr<const RemovedFilter> removed{};  ///< Null: none.
+  std::shared_ptr<const RemovedFilter> removed{};  ///< The instances that have left; null if none.
   /// The last revision whose changes it holds; the static tree: 0 until others are merged into it.
   std::uint64_t last = 0;
-  /// When it was made: the nodes that had changed; in the static tree the instances, once rays have
-  /// opened it.
+  /// The number of nodes that had changed when it was made; for the static tree the number of
+  /// instances, once rays have opened it.
   std::uint64_t nodes = 0;
-  std::uint64_t left = 0;  ///< Of `nodes`; at most a little too many, where groups left.
+  std::uint64_t left = 0;  ///< The number of `nodes` that left; a little too many for groups.
 
   std::uint64_t staying() const { return nodes - std::min(nodes, left); }
 };
 
 /// The trees of a revision, shared with the revisions that have the same.
 struct SceneTrees {
-  std::vector<Tier> tiers;  ///< By `last`: the static tree first.
+  std::vector<Tier> tiers;  ///< The trees in the order of `last`, the static tree first.
 
   const std::shared_ptr<const SceneTree>& static_tree() const { return tiers.front().tree; }
-  /// Rays need make no tree's instances.
+  /// Whether rays have opened all trees.
   bool are_opened() const;
 };
 
 /// A tree of a revision, opened for rays.
 struct OpenTree {
   const Instances& instances;
-  const RemovedFilter* removed = nullptr;  ///< Null: none.
+  const RemovedFilter* removed = nullptr;  ///< The instances that have left; null if none.
   std::size_t first = 0;                   ///< The index of its first instance among all.
 };
 
@@ -109,13 +109,13 @@ struct OpenTree {
 /// first. A view, valid while the snapshot is.
 class OpenTrees {
  public:
-  /// Opens them. Throws std::bad_alloc.
+  /// Opens the trees. Throws std::bad_alloc.
   explicit OpenTrees(const SceneTrees& trees);
 
   const std::vector<OpenTree>& all() const { return trees_; }
   const Instances& static_tree() const { return trees_.front().instances; }
   std::span<const OpenTree> dynamic() const { return std::span(trees_).subspan(1); }
-  /// Removed instances are counted; rays never meet them.
+  /// The number of instances, removed ones included, which rays never meet.
   std::size_t size() const { return size_; }
   const Instance& operator[](std::size_t index) const {
     std::size_t tree = trees_.size() - 1;

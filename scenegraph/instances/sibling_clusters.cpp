@@ -27,7 +27,7 @@ Reference cluster_over(std::span<const Reference> members, std::uint32_t number)
           static_cast<std::uint32_t>(std::min(weight, kLargest))};
 }
 
-/// Empty if the clusters would be too large.
+/// Makes a level of clusters over references; none if the clusters would be too large.
 std::vector<Reference> level_over(std::span<const Reference> refs, const Aabb& box,
                                   std::uint32_t first) {
   std::vector<Reference> clusters;
@@ -51,7 +51,7 @@ std::uint32_t spread(std::uint32_t x) {
   return (x | x << 2) & 0x09249249u;
 }
 
-/// By Morton code: neighbours on the curve are mostly near in space (Morton 1966).
+/// Sorts by Morton code: neighbours on the curve are mostly near in space (Morton 1966).
 void sort_along_curve(std::vector<Reference>& refs, const Aabb& box) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> order(refs.size());
   for (std::size_t i = 0; i < refs.size(); ++i) {

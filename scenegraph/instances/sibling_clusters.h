@@ -11,7 +11,8 @@
 
 namespace sightline::scenegraph::instances {
 
-/// In the id of a reference, beside accel::kdtree::kOpenable: a cluster of siblings, not a group.
+/// Flag in the id of an openable reference (accel::kdtree::kOpenable) that stands for a cluster of
+/// siblings, not for a group.
 inline constexpr std::uint32_t kCluster = std::uint32_t{1} << 30;
 
 using hierarchy::kClusterSize;
@@ -27,9 +28,10 @@ struct SiblingClusters {
   std::vector<std::span<const accel::kdtree::Reference>> members() const;
 };
 
-/// `box` holds all siblings; `first` is the number of the first cluster. Consecutive siblings make
-/// a cluster. If those are not near each other, siblings are sorted along a space-filling curve
-/// first. If that does not help either, there are no clusters. A pure function of its arguments.
+/// Makes clusters of consecutive siblings. `box` holds all siblings; `first` is the number of the
+/// first cluster. If consecutive siblings are not near each other, they are sorted along a
+/// space-filling curve first; if that does not help either, there are no clusters. A pure function
+/// of its arguments.
 SiblingClusters make_clusters(std::vector<accel::kdtree::Reference> siblings,
                               const accel::geometry::Aabb& box, std::uint32_t first);
 

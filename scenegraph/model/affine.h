@@ -25,20 +25,21 @@ struct Affine {
     return {m[0] * d.x + m[1] * d.y + m[2] * d.z, m[4] * d.x + m[5] * d.y + m[6] * d.z,
             m[8] * d.x + m[9] * d.y + m[10] * d.z};
   }
-  /// The transposed linear part times n. The inverse's maps normals.
+  /// The transposed linear part times n. The inverse transform's maps normals.
   Vec3d transposed(const Vec3d& n) const {
     return {m[0] * n.x + m[4] * n.y + m[8] * n.z, m[1] * n.x + m[5] * n.y + m[9] * n.z,
             m[2] * n.x + m[6] * n.y + m[10] * n.z};
   }
 };
 
-/// `outer` after `inner`.
+/// The transform that applies `inner`, then `outer`.
 Affine compose(const Affine& outer, const Affine& inner);
 
 bool is_finite(const Affine& a);
 
-/// Nothing where the linear part is singular, not finite, or so nearly singular (condition above
-/// kMaxCondition, or numbers beyond the range of doubles) that no ray could be carried through it.
+/// The inverse; nothing where the linear part is singular, not finite, or so nearly singular
+/// (condition above kMaxCondition, or numbers beyond the range of doubles) that no ray could be
+/// carried through it.
 std::optional<Affine> inverse(const Affine& a);
 
 inline constexpr double kMaxCondition = 1e12;

@@ -28,7 +28,7 @@ struct DoubleBox {
   }
 };
 
-/// The bounds of the eight corners, each mapped by a.point(). Not for empty boxes.
+/// The bounds of the eight corners, each mapped by a.point(). The box is not empty.
 inline DoubleBox mapped(const Affine& a, const DoubleBox& box) {
   DoubleBox r;
   for (std::size_t row = 0; row < 3; ++row) {
@@ -43,7 +43,7 @@ inline DoubleBox mapped(const Affine& a, const DoubleBox& box) {
   return r;
 }
 
-/// Larger by `pad` on every side.
+/// The box, larger by `pad` on every side.
 inline DoubleBox padded(const DoubleBox& box, double pad) {
   DoubleBox r = box;
   r.lo = box.lo - Vec3d{pad, pad, pad};

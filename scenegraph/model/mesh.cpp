@@ -94,8 +94,8 @@ std::shared_ptr<const Mesh> Mesh::unread(std::unique_ptr<const MeshSource> sourc
 
 Status Mesh::make_resident(Reclaim reclaim) const {
   if (is_resident()) return {};
-  // Not with the lock: to reclaim memory, locks are taken that those who wait for this one may
-  // hold.
+  // The lock is not held here: reclaiming memory takes locks that threads which wait for this one
+  // may hold.
   auto charge = unread_->source->charge(bytes(), reclaim);
   if (!charge) return charge.error();
   const std::lock_guard lock(unread_->reading);

@@ -24,7 +24,8 @@ class MeshTree;
 
 namespace sightline::scenegraph::model {
 
-/// Face slots of one mesh; keeps every index in its tree below the limits of a slot.
+/// Largest number of face slots of one mesh. Ids of faces and runs are far below the flags in
+/// Reference::id.
 inline constexpr std::uint64_t kMaxFacesPerMesh = std::uint64_t{1} << 28;
 
 /// Charges bytes before they are taken. The charge ends when its last pointer goes. Errors:
@@ -43,12 +44,12 @@ class Mesh {
       const accel::mesh::TreeBuilder& builder = {},
       accel::mesh::References references = accel::mesh::References::kRuns);
 
-  /// The same faces with as many other vertices. Only the tree starts again. `charge` lives as long
-  /// as the mesh. Errors: kInvalidArgument, a count that differs.
+  /// Makes a mesh with the same faces, as many other vertices, and a new tree. `charge` lives as
+  /// long as that mesh. Errors: kInvalidArgument if the count differs; those of make_resident().
   Result<std::shared_ptr<const Mesh>> deformed(std::vector<accel::geometry::Vec3f> vertices,
                                                std::shared_ptr<const void> charge = nullptr) const;
 
-  /// The same mesh without its arrays and its tree: `source` has them once they are needed.
+  /// Makes this mesh without its arrays and its tree: `source` has the arrays once they are needed.
   std::shared_ptr<const Mesh> unread(std::unique_ptr<const MeshSource> source) const;
   ~Mesh();
   Mesh(const Mesh&) = delete;
@@ -60,13 +61,13 @@ class Mesh {
   /// MeshSource::charge and MeshSource::read.
   Status make_resident(Reclaim reclaim) const;
 
-  /// Calls use() with the arrays. Those of a mesh that is not resident are read for it and not
+  /// Calls use() with the arrays. If the mesh is not resident, they are read for this call and not
   /// kept; the caller holds no lock. Throws MeshUnreadable.
   void with_arrays(const std::function<void(const accel::geometry::MeshView&)>& use) const;
 
-  /// Of a resident mesh.
+  /// The arrays of a resident mesh.
   accel::geometry::MeshView view() const { return {arrays_->vertices, *arrays_->faces}; }
-  /// Holds the finite triangles, closely; of positive extent, empty if there is none.
+  /// The close box of the finite triangles, of positive extent; empty if there is none.
   const accel::geometry::Aabb& bounds() const { return survey_.bounds; }
   std::uint64_t faces() const { return faces_; }  ///< Numbered slots, lines and points included.
   std::uint64_t triangles() const { return survey_.triangles; }  ///< Slots that hold a triangle.
@@ -78,31 +79,31 @@ class Mesh {
   /// Bytes that deformed() takes.
   std::uint64_t bytes_deformed() const;
 
-  /// Grows while rays are traced; every member of the tree is safe to call from any thread. Another
-  /// tree after drop_tree(): valid while an EpochPin made before this call lives. Makes the mesh
-  /// resident. Throws MeshUnreadable.
+  /// The tree, which grows while rays are traced; every member of it is safe to call from any
+  /// thread. After drop_tree() there is another: this one is valid while an EpochPin made before
+  /// this call lives. Makes the mesh resident. Throws MeshUnreadable.
   accel::mesh::MeshTree& tree() const { return owned_tree().tree; }
-  /// A tree with its owner: who joins it keeps the tree longer than the pin, but not longer than
-  /// the mesh.
+  /// A tree that several threads own: one that joins it keeps the tree longer than the pin, but not
+  /// longer than the mesh.
   struct OwnedTree : accel::kdtree::RefCounted {
     explicit OwnedTree(accel::mesh::MeshTree& owned) : tree(owned) {}
     accel::mesh::MeshTree& tree;
   };
-  /// As tree().
+  /// The tree with its count of owners; see tree().
   OwnedTree& owned_tree() const {
     OwnedTree* const now = tree_.load(std::memory_order_acquire);
     return now != nullptr ? *now : read_tree();
   }
-  std::uint64_t tree_bytes() const;  ///< Pins an epoch itself. 0: not resident.
+  std::uint64_t tree_bytes() const;  ///< 0 if not resident. Pins an epoch itself.
 
   /// Begins a new tree; the old one is freed when no thread reads it any more. Answers do not
   /// change. Returns the bytes of the old tree. Throws std::bad_alloc, and then nothing has
   /// changed. Threads: any.
   std::uint64_t drop_tree() const;
-  /// How many trees were dropped, whole or in part, of all meshes: what was complete before may not
-  /// be so now.
+  /// The number of trees of all meshes that were dropped, whole or in part: what was complete
+  /// before may not be so now.
   static std::uint64_t trees_dropped();
-  /// After a part of one was evicted.
+  /// Counts a tree of which a part was evicted.
   static void count_dropped();
 
  private:
@@ -111,7 +112,7 @@ class Mesh {
     std::shared_ptr<const std::vector<accel::geometry::Face>> faces;  // shared with deformed meshes
   };
   struct Tree;
-  /// What is not resident is read from `source`, by one thread at a time.
+  /// Where the arrays are read from, by one thread at a time, if they are not resident.
   struct Unread {
     std::unique_ptr<const MeshSource> source;
     std::mutex reading;

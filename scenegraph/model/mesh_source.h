@@ -12,13 +12,13 @@ namespace sightline::scenegraph::model {
 
 class Mesh;
 
-/// Whether what can be made again is dropped where memory for a mesh is short.
+/// Whether trees and other data that can be made again are dropped if memory for a mesh is short.
 enum class Reclaim : std::uint8_t {
   kAllowed,    ///< The caller holds no lock.
-  kForbidden,  ///< There is an error instead.
+  kForbidden,  ///< charge() returns an error instead.
 };
 
-/// Threads: any, for every member.
+/// Reads the arrays of a mesh. Threads: any, for every member.
 class MeshSource {
  public:
   virtual ~MeshSource() = default;
@@ -27,7 +27,7 @@ class MeshSource {
   /// kResourceExhausted.
   virtual Result<std::shared_ptr<const void>> charge(std::uint64_t bytes,
                                                      Reclaim reclaim) const = 0;
-  /// The mesh with its arrays. May wait for a disk or another machine. Errors: kDataLoss,
+  /// Reads the mesh with its arrays. May wait for a disk or another machine. Errors: kDataLoss,
   /// kUnavailable, and what the source may return beside these.
   virtual Result<std::shared_ptr<const Mesh>> read() const = 0;
 };

@@ -13,33 +13,34 @@
 
 namespace sightline::scenegraph::model {
 
-/// Given by the scene, from 1 upward, never used again within a scene. 0 means "none".
+/// The id of a node, given by the scene from 1 upward, and never used again within it. 0 means
+/// "none".
 using NodeId = std::uint64_t;
 
 using ChildList = PersistentList<NodeId>;
 
-/// How a node is expected to change, with all nodes below it. Chooses the tree that the node begins
-/// in; later changes may move it to the other tree (see Scene).
+/// How a node is expected to change, with all nodes below it. It chooses the tree that the node
+/// begins in; a later change may move it to a dynamic tree (see Scene).
 enum class Mobility : std::uint8_t { kStatic = 0, kRigid = 1, kDeforming = 2 };
 
-inline constexpr std::size_t kMaxNodeName = 1024;  ///< Bytes.
-inline constexpr int kMaxDepth = 1024;             ///< Nodes from a root to a leaf.
+inline constexpr std::size_t kMaxNodeName = 1024;  ///< The most bytes of a name.
+inline constexpr int kMaxDepth = 1024;             ///< The most nodes from a root to a leaf.
 
 struct Node {
   NodeId id = 0;
-  NodeId parent = 0;  ///< 0: a root.
-  std::string name;   ///< For people; need not be unique.
+  NodeId parent = 0;  ///< 0 for a root.
+  std::string name;   ///< A name for people, which need not be unique.
   Affine parent_from_local;
-  /// No ray can be carried through parent_from_local (see inverse()): rays meet neither the node
-  /// nor what is below it.
+  /// Whether no ray can be carried through parent_from_local (see inverse()): rays meet neither the
+  /// node nor what is below it.
   bool is_flat = false;
-  std::shared_ptr<const Mesh> mesh;  ///< Null: a group.
+  std::shared_ptr<const Mesh> mesh;  ///< The mesh; null for a group.
   std::string mesh_digest;  ///< Names the content of the mesh it was put with; empty without one.
-  bool patched = false;     ///< The mesh's vertices have been changed since.
+  bool patched = false;     ///< Whether the mesh's vertices have changed since it was put.
   Mobility mobility = Mobility::kStatic;
   std::uint32_t mask = accel::geometry::kAllMasks;
-  ChildList children;  ///< In the order in which they came.
-  /// Set once rays have entered the mesh; carried over from revision to revision. Null without a
+  ChildList children;  ///< The children, in the order in which they came.
+  /// Whether rays have entered the mesh; carried over from revision to revision. Null without a
   /// mesh.
   std::shared_ptr<std::atomic<bool>> entered;
 
@@ -50,7 +51,7 @@ struct Node {
   }
 };
 
-/// For messages.
+/// The node's id and name, for messages.
 inline std::string described(const Node& node) {
   return "node " + std::to_string(node.id) + " \"" + node.name + "\"";
 }

@@ -12,12 +12,12 @@
 
 namespace sightline::scenegraph::model {
 
-/// A copy costs one pointer for each kChunk entries. Threads: copies are independent; one object is
-/// not for concurrent change.
+/// A list of which a copy costs one pointer for each kChunk entries. Threads: copies are
+/// independent; one object is not for concurrent change.
 template <class T>
 class PersistentList {
   static constexpr std::size_t kChunk = 1024;
-  /// Never empty. `least` and `greatest` tell which chunks need not be searched.
+  /// A chunk is never empty. `least` and `greatest` tell which chunks need not be searched.
   struct Chunk {
     std::vector<T> entries;
     T least{}, greatest{};

@@ -52,7 +52,7 @@ class PersistentMap {
     }
   }
 
-  /// Sets or, with T{}, removes.
+  /// Sets the value at key, or removes the key if the value is T{}.
   void set(std::uint64_t key, T value) { Edit(*this).set(key, std::move(value)); }
 
   /// Many changes, which copy each block once. The map may be read meanwhile but not copied.
@@ -87,8 +87,8 @@ class PersistentMap {
       return *kind;
     }
 
-    /// A block that holds nothing any more is dropped: else a map whose keys are counted up, and
-    /// removed, would grow for ever.
+    /// Changes a value. A block that holds nothing any more is dropped: else a map whose keys are
+    /// counted up, and removed, would grow for ever.
     void change(Block& block, unsigned height, std::uint64_t key, T&& value, bool removes) const {
       if (height == 0) {
         auto& values = own<Leaf>(block).value;
@@ -111,15 +111,15 @@ class PersistentMap {
 
   std::size_t size() const { return size_; }
 
-  /// The map, as long as one of its copies lives. Threads: any.
+  /// Refers to the map as long as one of its copies lives. Threads: any.
   class Weak {
    public:
     explicit Weak(const PersistentMap& map)
         : root_(map.root_), height_(map.height_), size_(map.size_) {}
 
-    /// No copy lives, or the map is empty.
+    /// Whether no copy lives, or the map is empty.
     bool expired() const { return root_.expired(); }
-    /// Empty if no copy lives.
+    /// A copy of the map; empty if no copy lives.
     PersistentMap lock() const {
       PersistentMap map;
       map.root_ = root_.lock();
@@ -128,7 +128,7 @@ class PersistentMap {
       map.size_ = size_;
       return map;
     }
-    /// Lives as long as a copy of the map.
+    /// A pointer that lives as long as a copy of the map.
     std::weak_ptr<const void> life() const { return root_; }
 
    private:
@@ -180,7 +180,7 @@ class PersistentMap {
     }
   }
 
-  /// One level more above the root.
+  /// Adds a level above the root.
   void raise(std::uint64_t stamp) {
     if (root_ != nullptr) {
       auto inner = std::make_shared<Inner>();
@@ -191,7 +191,7 @@ class PersistentMap {
     ++height_;
   }
 
-  /// `there` may be lower, or null.
+  /// Counts values in a block that are not `there`, which may be lower, or null.
   static std::size_t count_block(const void* here, unsigned height, const void* there,
                                  unsigned there_height) {
     if (here == there) return 0;

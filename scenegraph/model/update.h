@@ -20,7 +20,7 @@ using NodeRef = std::int64_t;
 /// (`node` is its id, or an alias of the same batch), its parent included. Its children stay.
 struct PutNode {
   NodeRef node = 0;
-  NodeRef parent = 0;  ///< 0: a root.
+  NodeRef parent = 0;  ///< 0 for a root.
   std::string name;
   Affine parent_from_local;
   std::shared_ptr<const Mesh> mesh;
@@ -32,21 +32,23 @@ struct PutNode {
 /// New local transforms for many nodes at once.
 struct SetTransforms {
   std::vector<NodeRef> nodes;
-  std::vector<Affine> parent_from_local;  ///< As many as nodes.
+  std::vector<Affine> parent_from_local;  ///< One for each of the nodes.
 };
 
-/// Errors: kFailedPrecondition if the node has children and `subtree` is not set.
+/// Deletes a node, with all nodes below it if `subtree` is set. Errors: kFailedPrecondition if the
+/// node has children and `subtree` is not set.
 struct DeleteNode {
   NodeRef node = 0;
   bool subtree = false;
 };
 
 /// New positions for `positions.size()` vertices from `first` on. The nodes must carry one and the
-/// same mesh, and share the new one; its faces are those of the old. Others that carry it keep it.
+/// same mesh, and share the new one, whose faces are the same. Other nodes that carry the old one
+/// keep it.
 struct PatchVertices {
   std::vector<NodeRef> nodes;
   std::uint32_t first = 0;
-  std::vector<accel::geometry::Vec3f> positions;  ///< In the mesh's frame.
+  std::vector<accel::geometry::Vec3f> positions;  ///< New positions in the mesh's frame.
 };
 
 using Update = std::variant<PutNode, SetTransforms, DeleteNode, PatchVertices>;

@@ -21,7 +21,7 @@ using accel::kdtree::BuildCounters;
 
 Error cancelled_error() { return {Code::kCancelled, "cancelled while building", "CANCELLED"}; }
 
-/// Ascending, each once. Errors: kNotFound.
+/// Returns the ids, ascending, each once. Errors: kNotFound.
 Result<std::vector<model::NodeId>> known_ids(const revision::Snapshot& snapshot,
                                              std::span<const model::NodeId> ids, const char* role) {
   std::vector<model::NodeId> sorted(ids.begin(), ids.end());
@@ -35,7 +35,7 @@ bool holds(std::span<const model::NodeId> sorted, model::NodeId id) {
   return std::binary_search(sorted.begin(), sorted.end(), id);
 }
 
-/// Whether one of those above the node is among `sorted`.
+/// Whether a node above this one is among `sorted`.
 bool is_below(const revision::Snapshot& snapshot, model::NodeId id,
               std::span<const model::NodeId> sorted) {
   return any_upward(snapshot.hierarchy(), snapshot.find(id)->parent,
@@ -47,8 +47,8 @@ void add_totals(std::span<const model::Mesh* const> meshes, BuildProgress& progr
   progress.meshes_total += meshes.size();
 }
 
-/// Joined, not pinned: the mesh may begin a new tree meanwhile, and a pin would keep the lists of
-/// all cells alive.
+/// Keeps a mesh's tree by joining it, not by a pin: the mesh may begin a new tree meanwhile, and a
+/// pin would keep the lists of all cells alive.
 class HeldTree {
  public:
   explicit HeldTree(const model::Mesh& mesh) : tree_(join(mesh)) {}
@@ -113,7 +113,7 @@ BuildCounters build_dynamic_trees(const instances::OpenTrees& trees,
   return built;
 }
 
-/// Not without memory for some cells.
+/// Whether all trees are complete. A tree is not if there was no memory for some of its cells.
 bool is_complete(std::span<const model::Mesh* const> meshes, const instances::OpenTrees& trees) {
   const accel::kdtree::EpochPin pin;
   return std::all_of(

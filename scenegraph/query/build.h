@@ -20,8 +20,8 @@ struct BuildProgress {
   std::atomic<std::uint64_t> meshes_total{0};  ///< Distinct meshes to build.
   std::atomic<std::uint64_t> meshes_done{0};   ///< Meshes whose trees are complete.
   std::atomic<std::uint64_t> triangles_total{0};
-  std::atomic<std::uint64_t> triangles_done{0};  ///< Of the complete meshes.
-  std::atomic<std::uint64_t> rays_done{0};       ///< Of grow_for_rays().
+  std::atomic<std::uint64_t> triangles_done{0};  ///< Triangles of the complete meshes.
+  std::atomic<std::uint64_t> rays_done{0};       ///< Rays that grow_for_rays() has cast.
   std::atomic<std::uint64_t> cells_expanded{0};
   std::atomic<std::uint64_t> build_us{0};  ///< Time spent on growing trees, summed over threads.
 
@@ -30,7 +30,7 @@ struct BuildProgress {
     build_us += static_cast<std::uint64_t>(seconds * 1e6);
   }
 
-  /// From 0 to 1, by triangles; 0 before the totals are set.
+  /// The share that is done, from 0 to 1, by triangles; 0 before the totals are set.
   double share() const {
     const std::uint64_t total = triangles_total.load(std::memory_order_relaxed);
     const std::uint64_t done = triangles_done.load(std::memory_order_relaxed);
@@ -44,7 +44,9 @@ Result<TraceStats> build_all(const revision::Snapshot& snapshot,
                              const std::atomic<bool>* cancelled = nullptr,
                              BuildProgress* progress = nullptr);
 
-/// As build_all(), of the meshes in the shard, and of the scene's own trees. Walks the scene.
+/// Builds the trees of the meshes in the shard, and the scene's own trees, completely. Walks the
+/// scene. Only the stats `cells_expanded` and `build_seconds` are set. Parallel in the caller's
+/// arena. Errors: kCancelled, kResourceExhausted.
 Result<TraceStats> build_shard(const revision::Snapshot& snapshot, const Shard& shard,
                                const std::atomic<bool>* cancelled);
 
@@ -58,8 +60,8 @@ Result<std::vector<const model::Node*>> mesh_nodes_under(const revision::Snapsho
 /// The meshes of these nodes, each once.
 std::vector<const model::Mesh*> meshes_of(std::span<const model::Node* const> nodes);
 
-/// Distinct triangles in finished leaves of those meshes whose trees are begun and not complete.
-/// Walks these trees.
+/// The number of distinct triangles in finished leaves of the meshes whose trees are begun and not
+/// complete. Walks these trees.
 std::uint64_t triangles_begun(std::span<const model::Mesh* const> meshes);
 
 /// Builds the trees of these nodes' meshes completely. After a cancel, the built part remains.

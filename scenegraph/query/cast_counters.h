@@ -9,9 +9,9 @@ namespace sightline::scenegraph::query {
 
 struct CastCounters {
   accel::kdtree::WalkCounters walked;
-  /// In the static tree, and in the meshes that rays entered through it.
+  /// What was built in the static tree, and in the meshes that rays entered through it.
   accel::kdtree::BuildCounters static_built;
-  /// In the dynamic tree, and in the meshes that rays entered through it.
+  /// What was built in the dynamic trees, and in the meshes that rays entered through them.
   accel::kdtree::BuildCounters dynamic_built;
 
   void add_to(TraceStats& stats) const {

@@ -210,7 +210,7 @@ void Caster::write(const HitColumns& hits) {
   const accel::wide::Outcome outcome{
       best_, scene_.work, answered(), valid_, scene_.saw_deferred | mesh_.saw_deferred, any};
   accel::wide::write(outcome, hits, packet_.first);
-  // Trees that this thread has left may be gone once its pin is renewed.
+  // Once its pin is renewed, trees that this thread has left may be gone.
   if (options_.surface && !any)
     write_surfaces({given_, outcome, packet_.first, !cells_.renewed}, trees_, *rays_, hits);
 }

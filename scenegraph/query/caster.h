@@ -1,5 +1,5 @@
-// Rays on their way through a revision, up to sixteen at a time: the static and the dynamic trees,
-// their instances, the meshes of those.
+// Takes rays through a revision, up to sixteen at a time: through the static and the dynamic trees,
+// their instances, and the meshes of those.
 #pragma once
 
 #include <array>
@@ -31,26 +31,25 @@ struct Arrival {
 
   accel::lazy::Awaited at;
   std::unique_ptr<accel::kdtree::RefCounted, Leave> owner;  ///< Keeps the tree alive.
-  accel::geometry::LocalRay ray;                            ///< In the tree's frame.
+  accel::geometry::LocalRay ray;                            ///< The scout, in the tree's frame.
 };
 
-/// For one block of rays, on one thread. The casters of a block share its pin: an outer one would
+/// Casts one block of rays, on one thread. The casters of a block share its pin: an outer one would
 /// keep what is retired until the block ends.
 class Caster {
  public:
-  /// `pin` outlives the caster, and is renewed for each packet.
+  /// `pin` must outlive the caster, and is renewed for each packet.
   Caster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees, QueryKind kind,
          const TraceOptions& options);
   Caster(const Caster&) = delete;
   Caster& operator=(const Caster&) = delete;
 
   /// Casts the rays of a packet, which must outlive their answers. Returns a bit for each that is
-  /// answered. The others are cancelled, or suspended because they need a large cell that other
-  /// threads build; that only with WhenPending::kReturn. Then cast them again when progress() has
-  /// increased.
+  /// answered. The others are cancelled; or, with WhenPending::kReturn, suspended, because they
+  /// need a large cell that other threads build: cast them again when progress() has increased.
   std::uint32_t cast(const accel::geometry::RayColumns& rays, const RayPacket& packet,
                      accel::lazy::WhenPending when_pending);
-  /// Of the cell that has suspended rays last.
+  /// The progress of the cell that has suspended rays last.
   std::uint64_t progress() const { return progress_; }
 
   /// Takes one ray to the first cell of a mesh that is not built; nothing if it comes to none.
@@ -64,7 +63,7 @@ class Caster {
   /// kAll: appends the nearest max_hits hits of an answered ray in order.
   RayTally list(std::size_t lane, std::vector<accel::geometry::Hit>& hits);
 
-  /// Of all rays answered.
+  /// The stats of all rays answered.
   TraceStats stats() const;
 
  private:
@@ -75,7 +74,7 @@ class Caster {
   void walk_tree(const instances::OpenTree& tree, accel::kdtree::BuildCounters& built);
   void enter(const instances::Instance& instance, std::uint32_t index, std::uint32_t lanes,
              accel::kdtree::BuildCounters& built);
-  /// For counts and lists: those of `lanes` that have not entered the instance before.
+  /// The rays of `lanes` that have not entered the instance before, for counts and lists.
   std::uint32_t entering(std::uint32_t index, std::uint32_t lanes);
   std::uint32_t answered() const { return packet_.lanes & ~scene_.suspended; }
   std::uint32_t work(std::size_t lane) const;
@@ -100,8 +99,8 @@ class Caster {
   accel::wide::Packet scene_, mesh_;  // the rays in the frame of a tree, and of an instance
   Masks masks_;
   std::uint32_t valid_ = 0;               // rays that are not invalid
-  const model::Affine* frame_ = nullptr;  // of the instance that was entered last
-  std::uint32_t in_frame_ = 0;            // the rays that are in range there
+  const model::Affine* frame_ = nullptr;  // that of the instance entered last
+  std::uint32_t in_frame_ = 0;            // the rays that are in range in that frame
   accel::lazy::CellQuery cells_;
 };
 

@@ -10,7 +10,7 @@
 
 namespace sightline::scenegraph::query {
 
-/// Keeps its memory for the next ray.
+/// The hits of one ray. It keeps its memory for the next ray.
 class Collected {
  public:
   /// Lists search for one hit more than is kept: whether hits are cut off is then exact, and does
@@ -18,12 +18,13 @@ class Collected {
   explicit Collected(std::uint32_t max_hits)
       : max_hits_(max_hits), list_(std::size_t{max_hits} + 1) {}
 
-  /// Begins a ray, and returns where its hits go: those of all meshes for kAll, and for kCount
-  /// those of one instance. Both null for other kinds.
+  /// Begins a ray, and returns where its hits go: for kAll a list for all meshes, for kCount the
+  /// primitives of one instance. Both are null for other kinds.
   accel::wide::HitSink begin(QueryKind kind);
-  /// False: the ray has entered the instance before.
+  /// Whether the ray has not entered the instance before.
   bool enter(std::uint32_t instance) { return entered_.add(instance); }
-  /// For kCount: after the mesh of an instance was asked, if the ray has hit anything so far.
+  /// kCount: counts the primitives that were hit in an instance. To be called after its mesh was
+  /// queried, if the ray has hit anything so far.
   void end_mesh() {
     counted_ += primitives_.sorted().size();
     primitives_.clear();
@@ -31,7 +32,8 @@ class Collected {
 
   /// kCount: the number of hits, at most kMaxCount. Adds to the statistics.
   std::uint32_t count(TraceStats& stats) const;
-  /// kAll: the hits that are kept, ascending, and whether others are cut off. Adds as well.
+  /// kAll: the hits that are kept, ascending, and whether others are cut off. Adds to the
+  /// statistics.
   std::span<const accel::wide::ListedHit> list(TraceStats& stats, bool& cut_off);
 
  private:

@@ -13,7 +13,7 @@ namespace sightline::scenegraph::query {
 /// then found twice.
 class RecentLanes {
  public:
-  /// Those of `lanes` that have not entered the instance, which they do now.
+  /// Returns the rays of `lanes` that had not entered the instance, which they do now.
   std::uint32_t add(std::uint32_t id, std::uint32_t lanes) {
     for (Entry& entry : entries_) {
       if (entry.lanes == 0 || entry.id != id) continue;
@@ -33,8 +33,8 @@ class RecentLanes {
   std::size_t next_ = 0;
 };
 
-/// All that a ray has entered, for counting hits. A hash table that keeps its memory for the next
-/// ray.
+/// All instances that a ray has entered, for counting hits. This is a hash table that keeps its
+/// memory for the next ray.
 class EnteredOnce {
  public:
   /// Forgets all, in constant time.
@@ -46,7 +46,7 @@ class EnteredOnce {
     }
   }
 
-  /// False if it was there before.
+  /// Adds an instance; false if it was there before.
   bool add(std::uint32_t id) {
     if (2 * (count_ + 1) > slots_.size()) grow();
     Slot& slot = find(id);
@@ -58,7 +58,7 @@ class EnteredOnce {
 
  private:
   struct Slot {
-    std::uint32_t ray = 0;  // taken if equal to the current ray
+    std::uint32_t ray = 0;  // the slot is taken if this is the current ray
     std::uint32_t id = 0;
   };
 

@@ -29,7 +29,7 @@ class FirstError {
   }
 
   bool happened() const { return happened_.load(std::memory_order_relaxed); }
-  /// Once the tasks have ended.
+  /// The first error, once the tasks have ended.
   const Status& status() const { return first_; }
 
  private:

@@ -1,5 +1,5 @@
-// The instances of one of the scene's trees against the rays of a packet: in leaves, and in the
-// lists of cells that are not built.
+// Tests the instances of one of the scene's trees against the rays of a packet: in leaves, and in
+// the lists of cells that are not built.
 #pragma once
 
 #include <bit>
@@ -18,7 +18,7 @@
 
 namespace sightline::scenegraph::query {
 
-/// The content of a scene's tree, as accel::lazy::GrowingLeaf has it. Made for one packet and one
+/// The Content of accel::lazy::GrowingLeaf in a scene's tree. It is made for one packet and one
 /// tree.
 class Caster::InstanceTests {
  public:
@@ -31,7 +31,8 @@ class Caster::InstanceTests {
         first_(static_cast<std::uint32_t>(tree.first)),
         built_(built) {}
 
-  /// For a tree of one instance: its box need not be tested, as its mesh's will be.
+  /// Visits the instance of a tree that has only one: its box need not be tested, as its mesh's
+  /// will be.
   void visit_only(std::uint32_t id, std::uint32_t lanes) {
     const instances::Instance& instance = tree_[id];
     lanes = caster_.masks_.seeing(instance.mask, lanes);
@@ -39,7 +40,7 @@ class Caster::InstanceTests {
       caster_.enter(instance, first_ + id, lanes, built_);
   }
 
-  /// Instead of a walk: see instances::Instances::is_searched.
+  /// Searches all members instead of walking the tree: see instances::Instances::is_searched.
   void search_all(std::uint32_t lanes) {
     everything(lanes);
     caster_.counters_.walked.steps += tests_;
@@ -76,7 +77,7 @@ class Caster::InstanceTests {
   void everything(std::uint32_t lanes) { references(tree_.coarsest(), lanes); }
 
  private:
-  /// For rays that may meet its box. Opens groups.
+  /// Visits a reference with rays that may meet its box. Opens groups.
   void visit(const accel::kdtree::Reference& ref, std::uint32_t lanes) {
     if (!ref.openable()) return leaf(std::span(&ref.id, 1), lanes);
     const auto cluster = tree_.members_of_cluster(ref);
@@ -90,7 +91,7 @@ class Caster::InstanceTests {
     references(members, lanes);
   }
 
-  /// After these rays have entered an instance.
+  /// Lowers the limits of these rays, which have entered an instance.
   void tighten(std::uint32_t index, std::uint32_t lanes) {
     const accel::wide::BestHits& best = caster_.best_;
     if (packet_.goal == accel::wide::Goal::kAny || packet_.stopped ||
@@ -99,13 +100,13 @@ class Caster::InstanceTests {
     for (lanes &= best.found; lanes != 0; lanes &= lanes - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
       const bool here = caster_.kind_ == QueryKind::kAll || best.instance[lane] == index;
-      // Not for a list that is not full.
+      // A list that is not full has no limit.
       if (here && best.t[lane] < std::numeric_limits<double>::max())
         accel::wide::tighten(packet_, lane);
     }
   }
 
-  /// Those of `lanes` that may meet a box before their best hits.
+  /// The rays of `lanes` that may meet a box before their best hits.
   std::uint32_t meeting(const accel::geometry::Aabb& box, std::uint32_t lanes) const {
     return accel::wide::meeting(packet_, in_frame(tree_.tree().frame(), box), lanes);
   }
@@ -117,7 +118,7 @@ class Caster::InstanceTests {
   const std::uint32_t first_;
   accel::kdtree::BuildCounters& built_;
   RecentLanes recent_;
-  std::uint64_t tests_ = 0;  // of references
+  std::uint64_t tests_ = 0;  // references tested
 };
 
 }  // namespace sightline::scenegraph::query

@@ -8,7 +8,7 @@
 
 namespace sightline::scenegraph::query {
 
-/// What work() returns; kResourceExhausted if it throws std::bad_alloc, and the error of
+/// Returns what work() returns; kResourceExhausted if it throws std::bad_alloc, and the error of
 /// model::MeshUnreadable. What was built until then remains, and the same work may succeed later.
 template <class Work>
 auto or_error(const Work& work) -> decltype(work()) {

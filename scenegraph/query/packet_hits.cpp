@@ -19,7 +19,7 @@ void write_surface(const Hit& hit, const HitColumns& hits, std::size_t row) {
   if (hits.normal.is_asked()) hits.normal.set(row, hit.normal);
 }
 
-/// Those of `lanes` that hit the same instance as `lane`, and whose blocks are known.
+/// The rays of `lanes` that hit the same instance as `lane`, and whose blocks are known.
 std::uint32_t in_one_instance(const BestHits& best, std::uint32_t lanes, std::size_t lane) {
   std::uint32_t same = 0;
   for (std::size_t i = lane; i < accel::wide::kLanes; ++i) {

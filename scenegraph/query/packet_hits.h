@@ -15,7 +15,7 @@ namespace sightline::scenegraph::query {
 /// Neighbouring rays of a batch, at most wide::kLanes of them.
 struct RayPacket {
   std::size_t first = 0, count = 0;
-  std::uint32_t lanes = first_lanes(count);  ///< Those that take part.
+  std::uint32_t lanes = first_lanes(count);  ///< The rays that take part.
 
   static constexpr std::uint32_t first_lanes(std::size_t count) {
     return static_cast<std::uint32_t>((std::uint64_t{1} << count) - 1);
@@ -27,7 +27,7 @@ struct CastPacket {
   const accel::wide::GivenRays& given;
   const accel::wide::Outcome& outcome;
   std::size_t first = 0;    ///< The packet's first ray.
-  bool trees_kept = false;  ///< Blocks that hits lie in are still there.
+  bool trees_kept = false;  ///< Whether the blocks that hits lie in still exist.
 };
 
 /// Writes weights and normals, as far as they are asked for; together for all hits in one instance.

@@ -15,7 +15,7 @@ using accel::geometry::RayColumns;
 using accel::wide::kLanes;
 using accel::wide::Packet;
 
-/// The instance of a revision that has one alone, and shows it to rays.
+/// The instance of a revision that has only one, if rays see it; else null.
 const instances::Instance* find_only(const instances::OpenTrees& trees,
                                      const TraceOptions& options) {
   if (trees.size() != 1) return nullptr;
@@ -26,8 +26,8 @@ const instances::Instance* find_only(const instances::OpenTrees& trees,
   return is_seen(holder, 0, options.selection) ? &tree[0] : nullptr;
 }
 
-/// Asks for memory that is read later, or written. Always inline: GCC drops calls of functions that
-/// only prefetch.
+/// Asks for memory that is read later, or written. It is always inline, as GCC drops calls of
+/// functions that only prefetch.
 template <bool kWritten>
 [[gnu::always_inline]] inline void prefetch(const std::byte* begin, const std::byte* end) {
   constexpr std::ptrdiff_t kLine = 64;
@@ -63,7 +63,8 @@ bool PencilCaster::answers(const RayPacket& packet, std::size_t end) {
   const std::size_t first = packet.first, next = std::min(first + kPencilRays, end);
   answered_ >>= 1;
   if (first % kPencilRays == 0) {
-    // Structs begin with these columns; the processor foresees narrower ones.
+    // These are the columns that structs begin with; the processor prefetches narrower ones by
+    // itself.
     const std::size_t last = std::min(next + kPencilRays, rays_.size);
     prefetch<false>(rays_.origin[0].at(next), rays_.origin[0].at(last));
     if (hits_.t.is_asked()) prefetch<true>(hits_.t.at(next), hits_.t.at(last));

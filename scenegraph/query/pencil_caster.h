@@ -1,4 +1,4 @@
-// Rays of a pencil (accel/wide/pencil.h) on their way through a revision of one instance.
+// Takes the rays of pencils (accel/wide/pencil.h) through a revision of one instance.
 #pragma once
 
 #include <array>
@@ -18,25 +18,25 @@ namespace sightline::scenegraph::query {
 
 inline constexpr std::size_t kPencilRays = accel::wide::kPencilPackets * accel::wide::kLanes;
 
-/// For one block of rays, on one thread.
+/// Casts the pencils of one block of rays, on one thread.
 class PencilCaster {
  public:
-  /// The columns and the pin outlive the caster. The pin is renewed for each pencil.
+  /// The columns and the pin must outlive the caster. The pin is renewed for each pencil.
   PencilCaster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees,
                const TraceOptions& options, const accel::geometry::RayColumns& rays,
                const accel::geometry::HitColumns& hits);
   PencilCaster(const PencilCaster&) = delete;
   PencilCaster& operator=(const PencilCaster&) = delete;
 
-  /// Answers `count` rays, the first on, at most kPencilRays of them, in packets of wide::kLanes.
-  /// Returns a bit for each packet that is answered; the others have rays that are not of the
-  /// pencil, or a pencil does not suit them.
+  /// Answers `count` rays, at most kPencilRays, the first one at index `first`, in packets of
+  /// wide::kLanes. Returns a bit for each packet that is answered; the others have rays that are
+  /// not of the pencil, or a pencil does not suit them.
   std::uint32_t cast(std::size_t first, std::size_t count);
   /// Whether the next packet of a block of rays that ends at `end` is answered: casts the pencil
   /// that begins there.
   bool answers(const RayPacket& packet, std::size_t end);
 
-  /// Of all rays answered.
+  /// The stats of all rays answered.
   const TraceStats& stats() const { return stats_; }
 
  private:
@@ -62,9 +62,10 @@ class PencilCaster {
   const accel::geometry::RayColumns& rays_;
   const accel::geometry::HitColumns& hits_;
   const instances::Instance* const only_;  // null: pencils do not suit the revision
-  const bool any_;                         // not the closest hit
+  const bool any_;                         // any hit is asked for
   TraceStats stats_;
-  // After a failure, as many groups of rays are not tried; twice as many and one after the next.
+  // The next `to_skip_` groups of rays are not tried. Each try sets it to `failed_`, which is then
+  // 0 after a success and 2 failed_ + 2 after a failure.
   std::size_t failed_ = 0, to_skip_ = 0;
   std::uint32_t answered_ = 0;    // a bit for each of the next packets
   std::unique_ptr<Group> group_;  // made for the first pencil

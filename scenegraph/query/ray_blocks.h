@@ -25,7 +25,7 @@ struct RayBlock {
 
 /// Cuts rays into blocks and runs answer(RayBlock) for each, in parallel in the caller's arena, in
 /// any order. Returns the sum of what the blocks return. Errors: kCancelled, unless the options
-/// allow partial answers; what stops a block, as of or_error().
+/// allow partial answers; those of or_error() for what stops a block.
 template <class Answer>
 Result<TraceStats> run_blocks(std::size_t rays, std::size_t rays_per_block,
                               const TraceOptions& options, const Answer& answer) {
@@ -50,9 +50,9 @@ Result<TraceStats> run_blocks(std::size_t rays, std::size_t rays_per_block,
 }
 
 /// Answers packets of suspended rays after all others of their block: answer(RayPacket,
-/// WhenPending) returns those rays that are suspended again, because other threads build a cell
-/// that they need. In the end they wait, without spinning, for those threads, and then build the
-/// cell themselves. Ends before the next packet once `cancelled` is true.
+/// WhenPending) returns the rays that are suspended again, because other threads build a cell that
+/// they need. In the end they wait, without spinning, for those threads, and then build the cell
+/// themselves. Ends before the next packet once `cancelled` is true.
 template <class Answer>
 void answer_postponed(std::vector<RayPacket>& postponed, const Caster& caster,
                       const std::atomic<bool>* cancelled, const Answer& answer) {

@@ -43,7 +43,7 @@ struct AwaitedCell {
   bool grew = false;
 };
 
-/// In the order in which they were met.
+/// The cells at which scouts wait, in the order in which they were met.
 std::vector<AwaitedCell> by_cell(const std::vector<Waiting>& waiting) {
   std::vector<AwaitedCell> cells;
   std::unordered_map<const AtomicSlot*, std::size_t> known;
@@ -59,7 +59,7 @@ std::vector<AwaitedCell> by_cell(const std::vector<Waiting>& waiting) {
   return cells;
 }
 
-/// Whether the cell pays for its expansion. Pinned only while it is read.
+/// Whether the cell pays for its expansion. The thread is pinned only while it reads the cell.
 bool pays(const AwaitedCell& cell, double rays_each, BuildCounters& built) {
   if (cell.all) return true;
   const accel::kdtree::EpochPin pin;
@@ -68,7 +68,7 @@ bool pays(const AwaitedCell& cell, double rays_each, BuildCounters& built) {
          cell.tree->pays(*now.cell(), rays_each * static_cast<double>(cell.rays.size()), built);
 }
 
-/// Returns whether the cell is another one then.
+/// Grows a cell. Returns whether its slot has changed.
 bool grow(const AwaitedCell& cell, double rays_each, const TraceOptions& options,
           BuildCounters& built) {
   accel::kdtree::Slot before;
@@ -89,7 +89,7 @@ bool grow(const AwaitedCell& cell, double rays_each, const TraceOptions& options
     }
   }
   cell.tree->finish(*cell.slot, built, options.cancelled);
-  return accel::kdtree::load(*cell.slot) != before;  // it is the same if there was no room
+  return accel::kdtree::load(*cell.slot) != before;  // it has not changed if there was no room
 }
 
 /// All scouts of a batch.
@@ -99,7 +99,7 @@ class Scouting {
            const TraceOptions& options)
       : trees_(trees), rays_(rays), kind_(kind), options_(options) {}
 
-  /// Whether a few find a cell that pays.
+  /// Whether the first few scouts find a cell that pays.
   bool find_work(std::size_t all) {
     std::vector<std::size_t> scouts(kFirstScouts);
     for (std::size_t i = 0; i < kFirstScouts; ++i) scouts[i] = i * all / kFirstScouts;
@@ -112,7 +112,7 @@ class Scouting {
     return false;
   }
 
-  /// Those of `scouts` that may go on.
+  /// Takes scouts through one round. Returns the ones that may go on.
   std::vector<std::size_t> go(const std::vector<std::size_t>& scouts, std::size_t all) {
     const std::vector<Waiting> waiting = arrive(scouts, all);
     std::vector<AwaitedCell> cells = by_cell(waiting);
@@ -128,7 +128,8 @@ class Scouting {
   const TraceStats& stats() const { return stats_; }
 
  private:
-  /// Takes every scout to the first cell that is not built. In their order.
+  /// Takes every scout to the first cell that is not built. Returns the ones that wait, in their
+  /// order.
   std::vector<Waiting> arrive(const std::vector<std::size_t>& scouts, std::size_t all) {
     constexpr std::size_t kScoutsPerTask = 128;  // fewer do not pay for waking another thread
     std::vector<std::vector<Waiting>> parts((scouts.size() + kScoutsPerTask - 1) / kScoutsPerTask);

@@ -10,9 +10,9 @@
 
 namespace sightline::scenegraph::query {
 
-/// One scout for this number of rays of a batch, up to the most.
+/// There is one scout for kRaysPerScout rays of a batch, and at most kMostScouts.
 inline constexpr std::size_t kRaysPerScout = 64, kMostScouts = 4096;
-/// These go first: if they find nothing to grow, the others do not go.
+/// This number of scouts go first: if they find nothing to grow, the others do not go.
 inline constexpr std::size_t kFirstScouts = 16;
 
 /// Grows the meshes' trees for a batch, under Growth::kDemand. Batches of few rays have no scouts.

@@ -37,7 +37,7 @@ class Masks {
     see_all_ = common == accel::geometry::kAllMasks;
   }
 
-  /// Those of `lanes` that see an instance with this mask.
+  /// The rays of `lanes` that see an instance with this mask.
   std::uint32_t seeing(std::uint32_t mask, std::uint32_t lanes) const {
     if (see_all_) return mask != 0 ? lanes : 0;
     for (std::size_t i = 0; i < masks_.size(); ++i) {

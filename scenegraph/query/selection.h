@@ -14,12 +14,13 @@
 
 namespace sightline::scenegraph::query {
 
-/// Errors: kNotFound, naming the role and the first id of which this revision has no node.
+/// Checks that this revision has these nodes. Errors: kNotFound, naming the role and the first id
+/// of which it has no node.
 Status check_nodes(const revision::Snapshot& snapshot, std::span<const model::NodeId> ids,
                    const char* role);
 
-/// Each instance is decided when a ray first meets its box, by looking up the hierarchy. Making a
-/// selection takes no time in proportion to the scene. Threads: any.
+/// The instances that a query sees. Each one is decided when a ray first meets its box, by looking
+/// up the hierarchy. Making a selection takes no time in proportion to the scene. Threads: any.
 class Selection {
  public:
   /// Selects `root` and all nodes under it (0: the whole scene), without each node of `excluded`
@@ -30,7 +31,7 @@ class Selection {
                                 model::NodeId root, std::span<const model::NodeId> excluded,
                                 Shard shard = {});
 
-  /// `index`: of an opened instance, as of Snapshot::trees().
+  /// Whether the query sees an opened instance. `index` is that of Snapshot::trees().
   bool selects(std::size_t index) const {
     return selected_.passes(index, [&] { return decide(index); });
   }

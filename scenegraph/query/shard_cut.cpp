@@ -17,7 +17,7 @@ using accel::geometry::Vec3d;
 
 /// Bits of a Morton code for each axis.
 constexpr unsigned kAxisBits = 21;
-/// Changes with the rules of the cut: servers that cut in other ways must not agree.
+/// This number changes with the rules of the cut, as servers that cut in other ways must not agree.
 constexpr std::uint64_t kRules = 2;
 
 struct Placed {
@@ -55,7 +55,8 @@ class Grid {
   }
 
  private:
-  /// The first cell if there is no extent, or the point is not finite.
+  /// The cell at a distance from the lower bound; the first one if there is no extent, or the
+  /// distance is not finite.
   std::uint64_t cell(double distance) const {
     constexpr double kCells = std::uint64_t{1} << kAxisBits;
     const double at = distance / extent_ * kCells;
@@ -66,7 +67,7 @@ class Grid {
   double extent_;
 };
 
-/// By code and id: the instances that rays can meet, with their boxes relative to `origin`.
+/// The instances that rays can meet, by code and id, with their boxes relative to `origin`.
 std::vector<Placed> in_morton_order(const revision::Snapshot& snapshot, const Vec3d& origin) {
   std::vector<Placed> placed;
   std::vector<Vec3d> centers;
@@ -105,7 +106,8 @@ ShardCut::ShardCut(const revision::Snapshot& snapshot, std::uint32_t shards)
   std::vector<std::pair<model::NodeId, std::uint8_t>> table;
   table.reserve(placed.size());
   for (const Placed& p : placed) {
-    // An instance belongs where its middle falls: in order, so that ranges stay compact.
+    // An instance belongs to the shard where its middle falls, in Morton order, so that ranges stay
+    // compact.
     const std::uint64_t own = weight(*p.node);
     const double middle = static_cast<double>(before) + 0.5 * static_cast<double>(own);
     const auto shard = std::min(
@@ -145,7 +147,7 @@ bool ShardRay::begin(const accel::geometry::Ray& ray) {
   if (!accel::geometry::set_local_ray(ray.origin - cut_.center(), ray.direction, local_) ||
       std::isnan(ray.tmin) || std::isnan(ray.tmax))
     return false;
-  // With the slack of bounds that hold the center: it covers the rounding of the subtraction.
+  // The slack is that of bounds that hold the center: it covers the rounding of the subtraction.
   in_bounds_ = accel::kdtree::enter(local_, cut_.bounds(), ray.tmin / local_.unit,
                                     ray.tmax / local_.unit, ray_);
   return true;
@@ -156,7 +158,7 @@ bool ShardRay::may_meet(std::uint32_t shard, double tmax) const {
          accel::kdtree::may_meet(ray_, cut_[shard].box, tmax / local_.unit + ray_.slack);
 }
 
-/// Before anything that the ray may hit in the box.
+/// A t before anything that the ray may hit in the box.
 double ShardRay::entry(const Aabb& box) const {
   double entry = ray_.t_in;
   for (std::size_t a = 0; a < 3; ++a) {

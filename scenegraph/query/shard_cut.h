@@ -1,4 +1,5 @@
-// A scene cut into shards: ranges of its instances in Morton order, which servers answer apart.
+// A scene cut into shards: ranges of its instances in Morton order, which servers answer
+// separately.
 #pragma once
 
 #include <cstddef>
@@ -25,26 +26,26 @@ inline constexpr std::uint32_t kMaxShards = 64;
 class ShardCut {
  public:
   struct Range {
-    /// Holds the instances, relative to center(); empty without any.
+    /// The box of the instances, relative to center(); empty without any.
     accel::geometry::Aabb box;
     std::uint64_t instances = 0;
-    std::uint64_t triangles = 0;  ///< Over these.
+    std::uint64_t triangles = 0;  ///< Triangles of these instances.
   };
 
   /// `shards`: 1 to kMaxShards. Cost: one walk of the scene, and sorting its instances. Memory: 9
-  /// bytes for each. Throws std::bad_alloc.
+  /// bytes for each instance. Throws std::bad_alloc.
   ShardCut(const revision::Snapshot& snapshot, std::uint32_t shards);
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(ranges_.size()); }
   const Range& operator[](std::uint32_t shard) const { return ranges_[shard]; }
-  /// Equal for equal cuts: says which instance is in which range.
+  /// A hash of which instance is in which range, equal for equal cuts.
   std::uint64_t fingerprint() const { return fingerprint_; }
   /// The shard of an instance of the revision; size() for one that rays cannot meet.
   std::uint32_t shard_of(model::NodeId instance) const;
 
-  /// Of the static tree of the snapshot.
+  /// The center of the snapshot's static tree.
   const accel::geometry::Vec3d& center() const { return center_; }
-  /// Holds the boxes of all ranges, and center().
+  /// A box that holds those of all ranges, and center().
   const accel::geometry::Aabb& bounds() const { return bounds_; }
 
  private:
@@ -52,13 +53,13 @@ class ShardCut {
   accel::geometry::Aabb bounds_;
   std::vector<Range> ranges_;
   std::vector<model::NodeId> instances_;  // ascending
-  std::vector<std::uint8_t> shards_;      // of these
+  std::vector<std::uint8_t> shards_;      // the shard of each
   std::uint64_t fingerprint_ = 0;
 };
 
-/// One of the ranges.
+/// One of the ranges, or the whole scene.
 struct Shard {
-  std::shared_ptr<const ShardCut> cut{};  ///< Null: the whole scene.
+  std::shared_ptr<const ShardCut> cut{};  ///< The cut; null for the whole scene.
   std::uint32_t index = 0;
 
   bool has(model::NodeId instance) const {
@@ -66,15 +67,16 @@ struct Shard {
   }
 };
 
-/// Which shards a ray may hit. Used again for each ray. Not copied: it refers to itself.
+/// Finds the shards that a ray may hit. It is used again for each ray. It is not copied, as it
+/// refers to itself.
 class ShardRay {
  public:
-  /// Outlived by the cut.
+  /// The cut must outlive this.
   explicit ShardRay(const ShardCut& cut) : cut_(cut) {}
   ShardRay(const ShardRay&) = delete;
   ShardRay& operator=(const ShardRay&) = delete;
 
-  /// False: the ray is invalid, as for trace().
+  /// Begins a ray; false if it is invalid, as for trace().
   bool begin(const accel::geometry::Ray& ray);
   /// The shards whose boxes the ray meets within its limits, by where it enters them.
   const std::vector<std::uint8_t>& by_entry();

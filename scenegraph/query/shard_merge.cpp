@@ -75,7 +75,8 @@ std::vector<ShardQuestion> ShardMerge::next() {
     }
     const Hit& best = hits_[i];
     if (best.state == HitState::kHit) {
-      // Equality must be asked for: another node or primitive may come first.
+      // A shard that may have a hit at the same t is asked, too: its node or primitive may come
+      // first.
       shard_ray.begin(rays_[i]);
       while (way.next < way.end &&
              (kind_ == QueryKind::kAny || !shard_ray.may_meet(order_[way.next], best.t)))

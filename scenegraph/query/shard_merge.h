@@ -16,23 +16,24 @@ namespace sightline::scenegraph::query {
 /// Rays that a shard is asked for at a time.
 struct ShardQuestion {
   std::uint32_t shard = 0;
-  std::vector<std::uint32_t> rays{};  ///< By their places in the batch, ascending.
+  std::vector<std::uint32_t> rays{};  ///< Their indices in the batch, ascending.
 };
 
-/// After begin(): next() again and again, until it returns nothing; each question is then answered
-/// by take() or lose(). Closest and any ask the shards of a ray one after the other, as the ray
-/// enters them; count and all ask all at once. The answers are those of trace(), count_hits() and
-/// list_hits() to the whole scene, but for `work`, which is the sum over the shards.
-/// Threads: one at a time.
+/// Merges the answers of shards. After begin(), call next() until it returns nothing; each of its
+/// questions is answered by take() or lose(). Closest and any ask the shards of a ray one after the
+/// other, as the ray enters them; count and all ask all at once. The answers are those of trace(),
+/// count_hits() and list_hits() to the whole scene, but for `work`, which is the sum over the
+/// shards. Threads: one at a time.
 class ShardMerge {
  public:
   /// The rays and the cut must not change until the batch is done. `max_hits`: for kAll.
   void begin(const ShardCut& cut, QueryKind kind, std::span<const accel::geometry::Ray> rays,
              std::uint32_t max_hits);
 
-  /// The next questions, for different shards. Before that, all questions were answered.
+  /// Returns the next questions, for different shards. All former questions must have been
+  /// answered.
   std::vector<ShardQuestion> next();
-  /// Ray of the batch, as a question asks it: up to the nearest hit so far.
+  /// A ray of the batch as a question asks it: up to the nearest hit so far.
   accel::geometry::Ray limited(std::uint32_t ray) const;
 
   /// kClosest and kAny: hits[i] answers question.rays[i].
@@ -40,25 +41,25 @@ class ShardMerge {
   /// kCount and kAll: tallies[i] answers question.rays[i]. `listed`: as list_hits() gives them.
   void take(const ShardQuestion& question, std::span<const RayTally> tallies,
             std::span<const accel::geometry::Hit> listed);
-  /// There is no answer: nor has any of these rays one, unless the kind is kAny and another shard
+  /// The question has no answer: its rays then have none, unless the kind is kAny and another shard
   /// has a hit.
   void lose(const ShardQuestion& question);
 
-  /// After the last question. kClosest and kAny: of each ray.
+  /// kClosest and kAny, after the last question: the hit of each ray.
   std::span<const accel::geometry::Hit> hits() const { return hits_; }
-  /// kCount and kAll: of each ray.
+  /// kCount and kAll, after the last question: the tally of each ray.
   std::span<const RayTally> tallies() const { return tallies_; }
-  /// kAll: as list_hits() gives them.
+  /// kAll, after the last question: the hits, as list_hits() gives them.
   std::span<const accel::geometry::Hit> listed() const { return listed_; }
-  /// The counts of rays and of hits. What they cost is not in it.
+  /// The counts of rays and of hits, without what they cost.
   const TraceStats& stats() const { return stats_; }
 
  private:
-  /// Shards to ask for a ray: some of order_.
+  /// The shards to ask for a ray: a range of order_.
   struct Way {
     std::uint32_t next = 0, end = 0;
   };
-  /// The lists of one shard.
+  /// The answers of one shard, for kAll.
   struct Lists {
     std::vector<std::uint32_t> rays;
     std::vector<RayTally> tallies;
@@ -76,7 +77,7 @@ class ShardMerge {
   std::uint32_t max_hits_ = 0;
   std::span<const accel::geometry::Ray> rays_;
   std::vector<std::uint8_t> order_;
-  std::vector<Way> ways_;           // of each ray
+  std::vector<Way> ways_;           // by ray
   std::vector<std::uint8_t> lost_;  // 1: a shard that could have changed the answer gave none
   std::vector<accel::geometry::Hit> hits_;
   std::vector<RayTally> tallies_;

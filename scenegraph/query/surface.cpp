@@ -12,7 +12,7 @@ void set_surface(const instances::Instance& instance, const accel::geometry::Ray
   using accel::geometry::Vec3d, accel::geometry::Vec3f;
   const accel::geometry::MeshView mesh = instance.mesh->view();
   const accel::geometry::Face& f = mesh.faces[hit.primitive];
-  // Without negative zeros, as blocks have them: signs of zeros are seen in normals.
+  // Vertices have no negative zeros, as in blocks, since signs of zeros are seen in normals.
   const Vec3f zero{0, 0, 0};
   const Vec3f a = mesh.vertices[f[0]] + zero, b = mesh.vertices[f[1]] + zero,
               c = mesh.vertices[f[2]] + zero;

@@ -11,15 +11,15 @@
 namespace sightline::scenegraph::revision {
 
 struct DeferredCells {
-  /// World: min x y z, max x y z; the largest first. Boxes in meshes are turned with their nodes,
-  /// and are bounds of the turned boxes.
+  /// The boxes in the world: min x y z, max x y z; the largest first. Boxes in meshes are turned
+  /// with their nodes, and are bounds of the turned boxes.
   std::vector<std::array<float, 6>> boxes;
-  std::uint64_t total = 0;  ///< Of all, also those beyond the limit.
+  std::uint64_t total = 0;  ///< The number of all, also of those beyond the limit.
 };
 
-/// The `limit` largest: cells of the scene's own trees, the cells of meshes that rays have entered
-/// once for each node that carries them, and meshes that were met by none. Walks the scene and what
-/// is built.
+/// Finds the `limit` largest: cells of the scene's own trees, the cells of meshes that rays have
+/// entered once for each node that carries them, and meshes that no ray has met. Walks the scene
+/// and what is built.
 DeferredCells deferred_cells(const Snapshot& snapshot, std::size_t limit);
 
 }  // namespace sightline::scenegraph::revision

@@ -46,7 +46,7 @@ Result<Deformations::Deformation*> Deformations::deformation_of(
     ids.insert(node->id);
   }
   if (known != nullptr && known->nodes == ids) return known.get();
-  // Under the lock of the scene's writer.
+  // The lock of the scene's writer is held.
   if (const Status resident = one.mesh->make_resident(model::Reclaim::kForbidden); !resident)
     return resident.error();
   auto fresh = std::make_shared<Deformation>();

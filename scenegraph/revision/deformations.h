@@ -13,30 +13,32 @@
 
 namespace sightline::scenegraph::revision {
 
-/// For one writer.
+/// The meshes that a batch of updates deforms. Threads: one writer.
 class Deformations {
  public:
-  /// `charge`: called with the bytes of each new mesh before it is made. Empty: nothing is charged.
+  /// `charge` is called with the bytes of each new mesh before it is made. Empty: nothing is
+  /// charged.
   explicit Deformations(model::ChargeBytes charge = {}) : charge_bytes_(std::move(charge)) {}
 
   /// The nodes will share a mesh whose vertices from `first` on are at `positions`. Errors:
   /// kInvalidArgument (no node, a node without a mesh, meshes that differ, vertices beyond the
-  /// mesh's), and those of the charge.
+  /// mesh's), and those of the charge and of Mesh::make_resident().
   Status patch(std::span<const model::Node* const> nodes, std::uint32_t first,
                std::span<const accel::geometry::Vec3f> positions);
 
-  /// To be called when a node is deleted or gets another mesh.
+  /// Must be called when a node is deleted or gets another mesh.
   void forget(model::NodeId id);
 
-  /// The mesh of each node that was patched.
+  /// Makes the new meshes. Returns the mesh of each node that was patched. Errors: those of
+  /// Mesh::deformed().
   Result<std::vector<std::pair<model::NodeId, std::shared_ptr<const model::Mesh>>>> make();
 
  private:
-  /// Shared by exactly these nodes.
+  /// A mesh that is shared by exactly these nodes.
   struct Deformation {
     std::set<model::NodeId> nodes;
-    std::shared_ptr<const model::Mesh> mesh;  // as it was
-    std::shared_ptr<const void> charge;       // of `vertices`, then of the new mesh
+    std::shared_ptr<const model::Mesh> mesh;  // before the patches
+    std::shared_ptr<const void> charge;       // for `vertices`, then for the new mesh
     std::vector<accel::geometry::Vec3f> vertices;
   };
 

@@ -11,7 +11,7 @@ Error error(Code code, std::string reason, std::string message) {
   return {code, std::move(message), std::move(reason)};
 }
 
-/// `whose`: returns the name for the message.
+/// Checks that a matrix is finite. whose() returns the name for the message.
 template <class Whose>
 Status check_matrix(const model::Affine& matrix, const Whose& whose) {
   if (is_finite(matrix)) return {};
@@ -30,7 +30,8 @@ Error too_deep(const std::string& what) {
                    " nodes deep, the limit is " + std::to_string(model::kMaxDepth));
 }
 
-/// Also for children that come and leave several times: the last to come is the last in the list.
+/// Changes a list of children. A child may come and leave several times: the last to come is the
+/// last in the list.
 template <class Changes>
 void change(model::ChildList& children, const Changes& joined, const Changes& left,
             model::NodeId parent) {
@@ -217,9 +218,9 @@ void Draft::update_children() {
   }
 }
 
-/// An old node may be a child of this parent: no cycle, and not deeper than kMaxDepth. What hangs
-/// below it, and new nodes, are checked by finish(). A node without children has nothing below it
-/// that could be its parent.
+/// Checks that an old node may become a child of this parent: there is no cycle, and it is not
+/// deeper than kMaxDepth. Nodes below it, and new nodes, are checked by finish(). A node without
+/// children has nothing below it that could be its parent.
 Status Draft::check_parent(model::NodeId node, model::NodeId parent) const {
   if (find(node)->children.empty() && !joined_.contains(node) && node != parent) return {};
   int depth = 1;
@@ -259,7 +260,8 @@ Status Draft::finish() {
   return check_range();
 }
 
-/// Rays find instances by sums of their coordinates. Names the node whose transform is too much.
+/// Checks that coordinates are finite when summed up, as rays find instances by these sums. The
+/// error names the node whose transform is too much.
 Status Draft::check_range() const {
   if (is_finite(hierarchy_.summary(0).magnitude)) return {};
   model::NodeId group = 0;

@@ -15,8 +15,8 @@
 
 namespace sightline::scenegraph::revision {
 
-/// For one writer. After an error the draft must be discarded. Once `cancelled` is true, apply()
-/// and finish() end soon with kCancelled.
+/// A revision in the making. Threads: one writer. After an error the draft must be discarded. Once
+/// `cancelled` is true, apply() and finish() end soon with kCancelled.
 class Draft {
  public:
   /// `charge`: see Deformations.
@@ -30,15 +30,15 @@ class Draft {
 
   Status apply(const model::Update& update);
 
-  /// After the last update. Errors: kInvalidArgument if the hierarchy is too deep, or coordinates
-  /// are beyond the range of doubles.
+  /// Ends the draft, after the last update. Errors: kInvalidArgument if the hierarchy is too deep,
+  /// or coordinates are beyond the range of doubles; those of Deformations::make().
   Status finish();
 
   /// Ids of PutNode's nodes, in order.
   const std::vector<model::NodeId>& put_nodes() const { return put_nodes_; }
   model::NodeId next_id() const { return next_id_; }
 
-  /// The revision after the base, after finish().
+  /// Makes the revision after the base. Requires finish().
   std::shared_ptr<const Snapshot> publish(const MergeState& state) &&;
 
  private:
@@ -60,16 +60,16 @@ class Draft {
   Status check_parent(model::NodeId node, model::NodeId parent) const;
   Status check_range() const;
 
-  // For the maps below: freed as a whole, not in a million pieces.
+  // The memory of the maps below, which is freed as a whole, not in a million pieces.
   std::pmr::monotonic_buffer_resource memory_;
   const Snapshot& base_;
   const std::atomic<bool>* const cancelled_;
-  hierarchy::Hierarchy hierarchy_;  // of the base, until finish()
+  hierarchy::Hierarchy hierarchy_;  // that of the base, until finish()
   model::NodeId next_id_;
   std::pmr::unordered_map<model::NodeRef, model::NodeId> aliases_{&memory_};
   EditedNodes edited_{&memory_};
-  /// By parent: the children that have come, and those that have left; a child may come and leave
-  /// several times. finish() changes each parent's list once.
+  /// The children that have come, or left, by parent; a child may come and leave several times.
+  /// finish() changes each parent's list once.
   using Children = std::pmr::unordered_map<model::NodeId, std::pmr::vector<model::NodeId>>;
   Children joined_{&memory_}, left_{&memory_};
   MobilityChange change_;

@@ -12,7 +12,7 @@ bool differs(const model::Node* old, const model::Node* node) {
          old->mask != node->mask || old->mobility != node->mobility;
 }
 
-/// Of a node that changed before rays opened the static tree: whether it stays out of that tree.
+/// Whether a node that changed before rays opened the static tree stays out of that tree.
 bool begins_dynamic(const model::Node* old, const model::Node* node, bool was_dynamic) {
   if (node == nullptr) return false;
   return node->mobility != model::Mobility::kStatic ||

@@ -16,15 +16,17 @@ using EditedNodes = std::pmr::unordered_map<model::NodeId, std::shared_ptr<model
 
 /// What a batch of updates means for the trees.
 struct MobilityChange {
-  hierarchy::ChangeMap changed_at;     ///< Of the new revision.
-  std::vector<model::NodeId> changed;  ///< Nodes whose transform, parent, mesh or mask changed.
-  bool opened = false;                 ///< Rays have opened the base's static tree.
+  hierarchy::ChangeMap changed_at;  ///< The map of the new revision.
+  /// Nodes that were made or deleted, or whose transform, parent, mesh, mask or mobility changed;
+  /// ascending.
+  std::vector<model::NodeId> changed;
+  bool opened = false;  ///< Whether rays have opened the base's static tree.
 };
 
-/// Before rays open the static tree, a node's mobility tells whether it is in that tree. From then
-/// on, each new, changed or deleted node leaves its tree, with all nodes below it. Cost: the edited
-/// nodes and those above them. Returns soon after `cancelled` is true; the change is then
-/// incomplete.
+/// Finds which nodes leave their trees. Before rays open the static tree, a node's mobility tells
+/// whether it is in that tree. From then on, each new, changed or deleted node leaves its tree,
+/// with all nodes below it. Cost: the edited nodes. Returns soon after `cancelled` is true; the
+/// change is then incomplete.
 MobilityChange classify_changes(const Snapshot& base, const EditedNodes& edited,
                                 const std::atomic<bool>* cancelled = nullptr);
 

@@ -1,4 +1,4 @@
-// A hierarchy from nodes that were written down.
+// Makes a hierarchy from nodes that were written down.
 #include "scenegraph/revision/restore.h"
 
 #include <atomic>

@@ -13,21 +13,21 @@
 
 namespace sightline::scenegraph::revision {
 
-/// In world space.
+/// Bounds in world space.
 using WorldBounds = model::DoubleBox;
 
 class Snapshot {
  public:
   Snapshot(std::uint64_t revision, hierarchy::Hierarchy hierarchy, instances::SceneTrees trees)
       : revision_(revision), hierarchy_(std::move(hierarchy)), trees_(std::move(trees)) {}
-  /// With new trees.
+  /// Makes a snapshot with new trees.
   Snapshot(std::uint64_t revision, const hierarchy::Hierarchy& hierarchy);
   Snapshot(const Snapshot&) = delete;
   Snapshot& operator=(const Snapshot&) = delete;
 
   std::uint64_t revision() const { return revision_; }
   std::size_t node_count() const { return hierarchy_.nodes.size(); }
-  /// Null if there is no such node in this revision.
+  /// The node; null if there is none in this revision.
   const model::Node* find(model::NodeId id) const { return hierarchy_.find(id); }
   const hierarchy::NodeMap& nodes() const { return hierarchy_.nodes; }
   const model::ChildList& roots() const { return *hierarchy_.roots; }
@@ -49,8 +49,8 @@ class Snapshot {
     complete_.store(trees_dropped + 1, std::memory_order_release);
   }
 
-  /// Of all finite triangles that rays can meet, in world space: over vertices, or over mesh boxes
-  /// in very large scenes. Computed at the first call. Throws model::MeshUnreadable.
+  /// The bounds of all finite triangles that rays can meet, in world space: over vertices, or over
+  /// mesh boxes in very large scenes. Computed at the first call. Throws model::MeshUnreadable.
   const WorldBounds& bounds() const;
 
  private:
@@ -59,7 +59,7 @@ class Snapshot {
   instances::SceneTrees trees_;
   mutable std::once_flag bounds_once_;
   mutable WorldBounds bounds_;
-  mutable std::atomic<std::uint64_t> complete_{0};  // trees dropped before, and 1; 0: no
+  mutable std::atomic<std::uint64_t> complete_{0};  // 1 + trees dropped before; 0: not complete
 };
 
 /// What `scene show` and `stats` report.
@@ -68,33 +68,33 @@ struct SceneSummary {
   std::uint64_t nodes = 0;
   std::uint64_t instances = 0;            ///< Nodes that carry a mesh, flat ones too.
   std::uint64_t meshes = 0;               ///< Distinct meshes in use.
-  std::uint64_t triangles_unique = 0;     ///< Over distinct meshes.
-  std::uint64_t triangles_instanced = 0;  ///< Over instances.
-  std::uint64_t triangles_nonfinite = 0;  ///< Of the unique ones, never hit.
+  std::uint64_t triangles_unique = 0;     ///< Triangles of distinct meshes.
+  std::uint64_t triangles_instanced = 0;  ///< Triangles of all instances.
+  std::uint64_t triangles_nonfinite = 0;  ///< Unique triangles that are not finite, and never hit.
   std::uint64_t bytes_geometry = 0;       ///< Vertex and index arrays of distinct meshes.
-  std::array<double, 6>
-      bounds{};  ///< World: min x y z, max x y z. All NaN where rays can meet no triangle.
+  /// World bounds: min x y z, max x y z. All are NaN where rays can meet no triangle.
+  std::array<double, 6> bounds{};
 };
 SceneSummary summarize(const Snapshot& snapshot);
 
 /// How much of the trees exists. Walks the built part of every distinct mesh's tree.
 struct BuildSummary {
-  std::uint64_t instances_total = 0;  ///< Flat ones too.
-  std::uint64_t instances_entered =
-      0;                          ///< Whose mesh tree rays have entered or a full build has made.
+  std::uint64_t instances_total = 0;  ///< Nodes that carry a mesh, flat ones too.
+  /// Instances whose mesh tree rays have entered or a full build has made.
+  std::uint64_t instances_entered = 0;
   std::uint64_t trees_built = 0;  ///< Mesh trees with at least one finished leaf.
   std::uint64_t cells_deferred = 0;
   std::uint64_t cells_expanded = 0;   ///< Inner nodes and leaves.
   std::uint64_t triangles_built = 0;  ///< Distinct triangles in finished leaves.
-  std::uint64_t triangles_total = 0;  ///< Of distinct meshes.
+  std::uint64_t triangles_total = 0;  ///< Triangles of distinct meshes.
   std::uint64_t bytes_geometry = 0;
   std::uint64_t bytes_trees = 0;
-  std::uint64_t bytes_lists = 0;         ///< Part of it: what is not built in the meshes' trees.
-  std::uint64_t bytes_wide_nodes = 0;    ///< Part of it: their finished subtrees.
-  std::uint64_t static_instances = 0;    ///< In the static tree.
-  std::uint64_t dynamic_instances = 0;   ///< In dynamic trees: moving nodes and all below them.
-  std::uint64_t bytes_static_tree = 0;   ///< Part of bytes_trees, which also has the meshes' trees.
-  std::uint64_t bytes_dynamic_tree = 0;  ///< Of all dynamic trees.
+  std::uint64_t bytes_lists = 0;  ///< Part of bytes_trees: what is not built in the meshes' trees.
+  std::uint64_t bytes_wide_nodes = 0;    ///< Part of bytes_trees: finished subtrees of meshes.
+  std::uint64_t static_instances = 0;    ///< Instances in the static tree.
+  std::uint64_t dynamic_instances = 0;   ///< Instances in dynamic trees.
+  std::uint64_t bytes_static_tree = 0;   ///< Part of bytes_trees: the static tree.
+  std::uint64_t bytes_dynamic_tree = 0;  ///< Part of bytes_trees: all dynamic trees.
 };
 BuildSummary summarize_build(const Snapshot& snapshot);
 

@@ -18,8 +18,8 @@ using instances::SceneTree;
 using instances::SceneTrees;
 using instances::Tier;
 
-/// What opening again the tree's nodes that are left would cost: the share of them in what rays
-/// have opened, or all while rays do that. Nothing, if no ray has asked for the tree.
+/// The cost of opening again the nodes that are left in a tree: their share of what rays have
+/// opened, or all of them while rays open the tree; 0 if no ray has asked for it.
 std::uint64_t cost_to_open(const Tier& tier) {
   const instances::Instances* opened = tier.tree->instances_so_far();
   if (opened == nullptr) return tier.tree->is_wanted() ? tier.staying() : 0;
@@ -28,11 +28,12 @@ std::uint64_t cost_to_open(const Tier& tier) {
   return static_cast<std::uint64_t>(static_cast<double>(opened->opened_members()) * share);
 }
 
-/// Neighbouring trees from the newest back, of which each holds no more than the newer ones
-/// together.
+/// A run of neighbouring trees from the newest back, each of which is small or holds no more than
+/// the newer ones together.
 class Run {
  public:
-  /// `most`: members of all but the newest tree.
+  /// `small_tree` and `most` are numbers of members in one tree and in all of the run; neither
+  /// limits the newest tree.
   Run(std::uint64_t small_tree, std::uint64_t most) : small_tree_(small_tree), most_(most) {}
 
   /// Whether the next older tree belongs to the run as well; if so, adds it.
@@ -45,7 +46,7 @@ class Run {
     ++trees_;
     return true;
   }
-  /// A large tree is not opened again for itself alone.
+  /// Whether merging the run pays: a large tree is not opened again for itself alone.
   bool is_worth_it() const { return trees_ > 1 || is_small_; }
   std::uint64_t members() const { return members_; }
 
@@ -53,7 +54,7 @@ class Run {
   const std::uint64_t small_tree_, most_;
   std::size_t trees_ = 0;
   std::uint64_t members_ = 0;
-  bool is_small_ = false;  // the tree that was added last
+  bool is_small_ = false;  // whether the tree added last is small
 };
 
 /// How many of the trees the next revision keeps; its own tree holds the nodes of the others.
@@ -83,7 +84,7 @@ class Departures {
     const std::uint64_t last = last_change(*node);
     const std::size_t from = tier_of(last);
     changed_[from] = true;
-    // What is below it may be in newer trees.
+    // Nodes below it may be in newer trees.
     if (!node->children.empty())
       std::fill(changed_.begin() + static_cast<std::ptrdiff_t>(from), changed_.end(), true);
     if (last == 0) {
@@ -93,7 +94,7 @@ class Departures {
     }
   }
 
-  /// Gives the trees that nodes left new filters.
+  /// Gives new filters to the trees that nodes have left.
   void finish(const hierarchy::Hierarchy& next) {
     for (std::size_t i = 0; i < tiers_.size(); ++i) {
       if (!changed_[i]) continue;
@@ -103,8 +104,8 @@ class Departures {
   }
 
  private:
-  /// Of the node and those above it. Remembers the last answer: siblings have the same parent, and
-  /// the next node of a chain has this one.
+  /// The last change of the node and those above it. Remembers the last answer: siblings have the
+  /// same parent, and the next node of a chain has this one.
   std::uint64_t last_change(const model::Node& node) {
     if (node.parent != parent_) {
       above_ = node.parent == last_ ? at_last_ : instances::last_change(base_, node.parent);
@@ -134,9 +135,10 @@ model::ChildList list_of(const std::vector<model::NodeId>& ids) {
   return model::ChildList(std::span<const model::NodeId>(ids));
 }
 
-/// Adds what the tree holds. Of one that no ray has asked for, there is nothing to be taken over.
-/// One that is just being opened is: else, where that takes longer than to the next revision, each
-/// tree would begin with nothing.
+/// Adds what the tree holds. The instances of a tree that rays have asked for are used again: the
+/// tree becomes a part. Any other tree adds its own parts and candidates. A tree that is just being
+/// opened becomes a part too: otherwise, where opening takes longer than the time between
+/// revisions, no tree would ever use one again.
 void take_over(const Tier& tier, MovedNodes& moved, std::vector<model::NodeId>& candidates) {
   const auto unopened = tier.tree->moved();
   if (unopened == nullptr || tier.tree->is_wanted()) return moved.parts.push_back(tier.tree);
@@ -152,8 +154,8 @@ void take_over(const Tier& tier, MovedNodes& moved, std::vector<model::NodeId>& 
 /// Repeated and deleted candidates up to this number do not matter.
 constexpr std::uint64_t kFewCandidates = 256;
 
-/// `members`: how many of the candidates there still are. Drops repeated and deleted ones when they
-/// are many.
+/// Drops repeated and deleted candidates when they are many. `members` is the number of candidates
+/// that still exist.
 void tidy(const hierarchy::Hierarchy& next, std::uint64_t members,
           std::vector<model::NodeId>& candidates) {
   if (candidates.size() <= 2 * members + kFewCandidates) return;
@@ -177,8 +179,8 @@ hierarchy::ChangeMap changes_after(const hierarchy::ChangeMap& changed_at, std::
   return later;
 }
 
-/// Where the snapshot has these trees of `base`; empty: it has not. Older trees may have become one
-/// since.
+/// Returns where the snapshot has these trees of `base`; empty if it has not. Older trees may have
+/// become one since.
 std::span<const Tier> find_tiers(const Snapshot& snapshot, const Snapshot& base, TierRange range) {
   const std::span<const Tier> now = snapshot.shared_trees().tiers;
   const std::span<const Tier> then = std::span<const Tier>(base.shared_trees().tiers)

@@ -26,7 +26,7 @@ struct MergeRule {
   std::size_t many_trees = 8;
 };
 
-/// Trees that no ray has opened.
+/// Makes the trees of a revision, which no ray has opened.
 instances::SceneTrees new_trees(const hierarchy::Hierarchy& hierarchy, std::uint64_t revision);
 
 /// What next_trees() merges.
@@ -35,12 +35,13 @@ struct MergeState {
   /// Trees that hold changes up to this revision are being merged in the background, into a new
   /// static tree; 0: none are.
   std::uint64_t static_up_to = 0;
-  /// Likewise, later ones into a dynamic tree.
+  /// Trees that hold later changes, up to this revision, are being merged in the background, into a
+  /// new dynamic tree; 0: none are.
   std::uint64_t dynamic_up_to = 0;
 };
 
-/// The trees of `next`, which is the revision after `base` with what `change` records. Cost: the
-/// changed nodes, and those of small trees. Trees that are being merged are kept.
+/// Makes the trees of `next`, which is the revision after `base` with what `change` records. Cost:
+/// the changed nodes, and those of small trees. Trees that are being merged are kept.
 instances::SceneTrees next_trees(const Snapshot& base, const hierarchy::Hierarchy& next,
                                  const MobilityChange& change, const MergeState& state);
 
@@ -49,21 +50,21 @@ struct TierRange {
   std::size_t first = 0, end = 0;
 };
 
-/// The trees whose merge in the background is worth its cost, if any: into a static tree, or of
-/// those that are not being merged into one, into a dynamic tree. The newest tree is never among
-/// them: nothing shows yet that its nodes rest. Counts only; uses no clock.
+/// The trees whose merge in the background is worth its cost, if any: into a static tree; or into a
+/// dynamic tree, of those that are not being merged into a static one. The newest tree is never
+/// among them: nothing shows yet that its nodes rest. Counts decide, and no clock.
 std::optional<TierRange> due_static_merge(const Snapshot& snapshot);
 std::optional<TierRange> due_dynamic_merge(const Snapshot& snapshot, const MergeState& state);
 
-/// One tree instead of these of the snapshot, which rays have opened. It is grown where they were.
-/// Throws std::bad_alloc.
+/// Makes one tree of these trees of the snapshot, and grows it where rays have grown them. Throws
+/// std::bad_alloc.
 instances::Tier merged(const Snapshot& base, TierRange range);
 
 /// Whether the snapshot has these trees of `base`.
 bool has_tiers(const Snapshot& snapshot, const Snapshot& base, TierRange range);
 
-/// `now` with the merged tree instead of those of `base`, which it has: it is the base or a later
-/// revision. Its content and its number are the same.
+/// Returns `now` with the merged tree instead of those of `base`, which it has: it is the base or a
+/// later revision. Its content and its number are the same.
 std::shared_ptr<const Snapshot> with_merged(const Snapshot& now, const Snapshot& base,
                                             TierRange range, const instances::Tier& tier);
 

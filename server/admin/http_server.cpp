@@ -16,7 +16,7 @@
 namespace sightline::server::admin {
 namespace {
 
-/// After accept() has failed for want of descriptors.
+/// The pause after accept() has failed for want of descriptors.
 constexpr std::chrono::milliseconds kPause{100};
 
 }  // namespace
@@ -62,7 +62,7 @@ void HttpServer::accept_from(Listener& listener) {
   sessions_.push_back(HttpSession::start(context_, std::move(socket), *pages_, tunnel_));
 }
 
-/// Whatever floods the port, a probe gets its reply.
+/// Closes a probe last: it gets its reply whatever floods the port.
 void HttpServer::close_one() {
   std::map<std::string, std::size_t> of_address;
   for (const auto& one : sessions_) ++of_address[one.lock()->address()];

@@ -45,8 +45,8 @@ std::string address_text(int family, const void* address) {
   return inet_ntop(family, address, text.data(), text.size()) != nullptr ? text.data() : "";
 }
 
-/// As gRPC writes it: an IPv4 address has one form, whatever socket it came through. All peers of a
-/// Unix socket have one name.
+/// The peer as gRPC names it: an IPv4 address has one form, whatever socket it came through. All
+/// peers of a Unix socket have one name.
 std::string peer_name(int socket) {
   sockaddr_storage peer{};
   socklen_t size = sizeof peer;
@@ -76,7 +76,7 @@ Stream make_stream(boost::asio::io_context& context, net::Descriptor socket) {
   return stream;
 }
 
-/// Not for a peer that has gone.
+/// Whether the peer sent something else than HTTP; false if it has gone.
 bool is_malformed(const error_code& error) {
   return error.category() == error_code(http::error::bad_method).category() &&
          error != http::error::end_of_stream && error != http::error::partial_message;
@@ -122,7 +122,7 @@ void HttpSession::answer() {
   const std::string_view target(request.target().data(), request.target().size());
   if (boost::beast::websocket::is_upgrade(request)) return upgrade();
   const std::string_view path = target.substr(0, target.find('?'));
-  // It tells that this thread works, whatever a page waits for.
+  // The reply to /livez shows that this thread works, whatever a page waits for.
   is_probe_ = path == kAlivePath || path == kReadyPath;
   if (path == kAlivePath) return write({.body = "alive\n"});
   ask(std::string(path));

@@ -17,10 +17,10 @@
 
 namespace sightline::server::admin {
 
-/// TCP or a Unix socket.
+/// A stream over TCP or a Unix socket.
 using Stream = boost::beast::basic_stream<boost::asio::generic::stream_protocol>;
 
-/// Lives as long as something is to be done for it. Threads: that of the connections.
+/// A session lives as long as something is to be done for it. Threads: that of the connections.
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
   /// `pages` and `tunnel` (null: none) outlive the thread of the connections.

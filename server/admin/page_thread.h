@@ -48,7 +48,7 @@ class PageThread {
   };
   struct Line {
     std::deque<Page> pages;
-    std::size_t requests = 0;  // for them, and for the page that is being made
+    std::size_t requests = 0;  // for these pages and the one that is being made
   };
 
   void make_next();

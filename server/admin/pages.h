@@ -17,7 +17,7 @@ struct PageFile {
   std::string_view type;
   std::string_view content;
 };
-/// All of them; they are part of the program.
+/// All files of the live page; they are part of the program.
 std::span<const PageFile> page_files();
 
 /// The live page, and the pages /readyz (200, or 503 and the reasons) and /metrics (Prometheus'

@@ -19,7 +19,7 @@ class Readiness {
   /// waits, for the store or a disk, probes get no answer, which they count as not ready.
   using Check = std::function<Status()>;
 
-  /// `name`: of the part that is checked, as a probe's reply shows it. Only before the first probe.
+  /// Adds a check of the part `name`, which a probe's reply shows. Call it before the first probe.
   void add(std::string name, Check check) {
     checks_.emplace_back(std::move(name), std::move(check));
   }

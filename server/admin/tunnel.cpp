@@ -14,13 +14,13 @@
 namespace sightline::server::admin {
 namespace {
 
-/// Without its port.
+/// The host without its port.
 std::string host_name(std::string_view host) {
   if (host.starts_with('[')) return std::string(host.substr(1, host.find(']') - 1));
   return std::string(host.substr(0, host.find(':')));
 }
 
-/// An attacker can make a name of the DNS lead here, but no address.
+/// Whether the name is an address: an attacker can make a DNS name lead here, but no address.
 bool is_address(const std::string& name) {
   std::array<unsigned char, sizeof(in6_addr)> parsed;
   return name == "localhost" || inet_pton(AF_INET, name.c_str(), parsed.data()) == 1 ||

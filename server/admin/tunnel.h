@@ -28,7 +28,7 @@ class TunnelCall;
 class Tunnel {
  public:
   static constexpr std::size_t kMaxSockets = 8;
-  static constexpr std::size_t kMaxCalls = 16;  ///< Open at a time, of one socket.
+  static constexpr std::size_t kMaxCalls = 16;                      ///< Open calls of one socket.
   static constexpr std::size_t kMaxMessage = std::size_t{1} << 20;  ///< Bytes from a page.
   /// While more bytes than this wait for a page to read them, or for its calls to take them, the
   /// socket is not read, and of its calls no more answers are wanted.
@@ -50,18 +50,18 @@ class Tunnel {
          std::chrono::milliseconds limit = exec::kReplyTimeout)
       : stub_(channel), access_(access), limit_(limit) {}
 
-  /// Whether a page may open a socket. `origin`: of the page; empty for programs that are no
-  /// browsers. `host`: which host the request was for. `address`: whence it came, without a port.
-  /// When kMaxSockets are open, the newest of the address that has most is closed, if that has two
-  /// more than this one. Errors: kPermissionDenied (a page from elsewhere, or under a name that an
+  /// Whether a page may open a socket. `origin`: the page's; empty for programs that are no
+  /// browsers. `host`: which host the request was for. `address`: the peer's, without a port. When
+  /// kMaxSockets are open, the newest of the address that has most is closed, if that has two more
+  /// than this one. Errors: kPermissionDenied (a page from elsewhere, or under a name that an
   /// attacker may have pointed here, or certificates without tokens), kResourceExhausted. Threads:
   /// that of the pages.
   Status admit(std::string_view origin, std::string_view host, const std::string& address);
 
-  /// No call begins from now on. To be called before the server shuts down: gRPC 1.51 does not
-  /// bear calls within the process after that.
+  /// No call begins from now on. Call it before the server shuts down: gRPC 1.51 does not bear
+  /// calls within the process after that.
   void stop();
-  /// After stop(): cancels all calls and waits for their ends.
+  /// Cancels all calls and waits for their ends. Call it after stop().
   void end_calls();
 
  private:
@@ -79,8 +79,8 @@ class Tunnel {
   grpc::TemplatedGenericStub<grpc::ByteBuffer, grpc::ByteBuffer> stub_;
   const Access access_;
   const std::chrono::milliseconds limit_;
-  std::list<Page> pages_;  // oldest first; of the thread of the pages
-  std::mutex opening_;     // while a call begins
+  std::list<Page> pages_;  // oldest first; used on the thread of the pages
+  std::mutex opening_;     // held while a call begins
   bool stopped_ = false;
   std::mutex mutex_;
   std::condition_variable changed_;

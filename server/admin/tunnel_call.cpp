@@ -50,7 +50,7 @@ std::size_t TunnelCall::send(const std::optional<std::string>& message, bool las
   return bytes;
 }
 
-/// With the lock.
+/// The caller holds the lock.
 void TunnelCall::write_next() {
   const Outgoing& next = outgoing_.front();
   if (!next.message) {
@@ -92,7 +92,7 @@ void TunnelCall::cancel() {
   if (!reading_) start_no_more();
 }
 
-/// With the lock. The call ends once it has its status.
+/// The caller holds the lock. The call ends once it has its status.
 void TunnelCall::start_no_more() {
   if (over_) return;
   over_ = true;

@@ -17,21 +17,21 @@
 
 namespace sightline::server::admin {
 
-/// Lives until its end has been told, and as long as others hold it. Threads: any, for every
+/// A call lives until its `ended` event, and as long as others hold it. Threads: any, for every
 /// member.
 class TunnelCall final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
  public:
   /// Called on threads of gRPC.
   struct Events {
-    std::function<void(std::string message)> message;       ///< No other comes before want_next().
-    std::function<void(std::size_t bytes)> taken;           ///< Of those that send() has returned.
+    std::function<void(std::string message)> message;  ///< No other comes before want_next().
+    std::function<void(std::size_t bytes)> taken;      ///< How many of send()'s bytes were taken.
     std::function<void(const grpc::Status& status)> ended;  ///< The last event.
   };
 
   struct Request {
     const std::string& method;         ///< "/sightline.v1.SceneService/GetScene".
     const std::string& authorization;  ///< May be empty.
-    const std::string& peer;           ///< That it is made for; see exec::made_for().
+    const std::string& peer;           ///< The peer that it is made for; see exec::made_for().
   };
 
   /// The first message is wanted from the beginning. Errors, after which no event comes:
@@ -40,12 +40,12 @@ class TunnelCall final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
   static Result<std::shared_ptr<TunnelCall>> open(Tunnel& tunnel, const Request& request,
                                                   Events events);
 
-  /// Nothing: no message, only the end of all messages. Returns the bytes that wait until they are
-  /// taken; none if the call takes nothing any more.
+  /// Sends a message; nothing: only the end of all messages. Returns the bytes that wait until they
+  /// are taken; none if the call takes nothing any more.
   std::size_t send(const std::optional<std::string>& message, bool last);
-  /// After an event with a message.
+  /// Asks for the next message. Call it after an event with one.
   void want_next();
-  /// No message comes any more.
+  /// Cancels the call: no message comes any more.
   void cancel();
 
   void OnReadDone(bool ok) override;
@@ -72,7 +72,7 @@ class TunnelCall final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
   std::mutex mutex_;
   std::deque<Outgoing> outgoing_;  // the first is being written
   bool reading_ = true;
-  bool closed_ = false;  // by the sender
+  bool closed_ = false;  // the sender sends no more
   bool cancelled_ = false;
   bool over_ = false;  // nothing may be started any more
 };

@@ -40,7 +40,7 @@ constexpr websocket::stream_base::timeout kNotReading{
     .keep_alive_pings = true,
 };
 
-/// It becomes a header.
+/// Whether a page may call the method, whose name becomes a header.
 bool may_call(std::string_view method) {
   return method.starts_with(kServices) && method.size() <= kLongestMethod && is_visible(method);
 }
@@ -78,12 +78,12 @@ void WebSocket::accept() {
   });
 }
 
-/// The page is behind with reading, or its calls are with taking.
+/// Whether the page is behind with reading, or its calls are with taking messages.
 bool WebSocket::is_behind() const {
   return unsent_bytes_ > Tunnel::kMaxUnsent || untaken_ > Tunnel::kMaxUntaken;
 }
 
-/// After a message was read: reads the next one, now or when less waits.
+/// Reads the next message, now or when less waits. Call it after one was read.
 void WebSocket::read_on() {
   if (ended_) return;
   if (!is_behind()) return read();
@@ -231,7 +231,7 @@ void WebSocket::write() {
                       });
 }
 
-/// From now on, with the message that is being written, or with what the calls have not taken.
+/// Restarts the time in which the page must read something, or its calls take something.
 void WebSocket::restart_timer() {
   late_.expires_after(tunnel_.limit_);
   // A socket that is neither read nor written lives by this alone.

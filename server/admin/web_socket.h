@@ -21,7 +21,7 @@
 
 namespace sightline::server::admin {
 
-/// Lives until its peer is gone, which cancels its calls. A peer that breaks the rules of
+/// A socket lives until its peer is gone, which cancels its calls. A peer that breaks the rules of
 /// sightline/page/v1/tunnel.proto is closed. What waits in it is bounded both ways: while its calls
 /// cannot take more, or the page does not read, it is not read either, and its calls wait. Threads:
 /// that of the server.

@@ -84,7 +84,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
     if (!stop_reading()) return;  // end_slow() was first
     // A client that ends without `finish` may continue the upload later.
     if (!ok) return end(exec::end_of_reads(chunk_));
-    // These end with the chunk.
+    // The quota and the ticket are released with the chunk.
     auto work = parts_.quotas.begin_work(caller_, 0, chunk_.ByteSizeLong());
     if (!work) {
       chunk_ = {};
@@ -136,7 +136,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
     progress_.begin(kUploadTimeout);
   }
 
-  /// What has arrived may be resumed.
+  /// The error of an upload that is too slow; it may be resumed.
   static Error slow() {
     return {Code::kAborted,
             fmt::format("the upload got fewer than {} bytes in {} s", kUploadProgress,
@@ -201,7 +201,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
     const auto mesh = blobs_.complete(upload_);
     if (!mesh) return mesh.error();
     report(**mesh, upload_->digest().size);
-    // The scene that uses it is told of: an import has one line, however many meshes it has.
+    // The level is debug: an import logs one line for its scene, however many meshes it has.
     spdlog::debug("event=mesh_uploaded digest={} triangles={} nonfinite={}{}", digest_text_,
                   (*mesh)->triangles(), (*mesh)->nonfinite(), exec::request_id_of(context_));
     return {};
@@ -227,8 +227,8 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
     const grpc::Status answer = exec::to_grpc(status);
     exec::log_rpc("UploadBlob", context_, answer, begun_,
                   [this] { return fmt::format("digest={}", digest_text_); });
-    // Before the client knows, which may then begin the next upload. A call that the registry ends
-    // does not count any more.
+    // The call leaves before the client knows and may begin the next upload. A call that the
+    // registry ends does not count any more.
     if (status.ok()) uploads_.leave(this);
     Finish(answer);
   }

@@ -44,7 +44,7 @@ class BlobStore::Source final : public scenegraph::model::MeshSource {
   Result<MeshPointer> read() const override {
     auto mesh = blobs_.read(digest_);
     if (mesh || mesh.error().code != Code::kNotFound) return mesh;
-    // Of an old revision, and another server has swept it.
+    // The mesh is one of an old revision, and another server has swept it.
     return Error{Code::kOutOfRange, mesh.error().message, mesh.error().reason};
   }
 
@@ -147,7 +147,7 @@ BlobStore::MeshPointer BlobStore::insert(const BlobDigest& digest, MeshPointer m
   return kept->second.mesh;
 }
 
-/// Null without a disk, or if the blob is there.
+/// A writer of the blob; null without a disk, or if the blob is there.
 Result<std::unique_ptr<store::BlobWriter>> BlobStore::writer(const BlobDigest& digest) {
   if (disk_ == nullptr) return std::unique_ptr<store::BlobWriter>();
   auto writing = disk_->write_blob(digest);

@@ -26,16 +26,16 @@
 namespace sightline::server::blobs {
 
 struct BlobLimits {
-  std::size_t uploads = 64;  ///< At a time, including those set aside.
+  std::size_t uploads = 64;  ///< Uploads at a time, including those set aside.
   /// An upload without progress for this long, or that is slow after it, may be dropped.
   std::chrono::steady_clock::duration idle = std::chrono::seconds(10);
   /// A mesh that arrived within this time is fresh: its client may be about to use it.
   std::chrono::steady_clock::duration fresh = std::chrono::minutes(1);
-  /// A mesh that nothing has used for this long is dropped: from memory, if it is on disk...
+  /// A mesh on disk that nothing has used for this long is dropped from memory.
   std::chrono::steady_clock::duration unused_on_disk = std::chrono::minutes(1);
-  /// ...or altogether.
+  /// Without a disk, a mesh that nothing has used for this long is dropped.
   std::chrono::steady_clock::duration unused = std::chrono::minutes(30);
-  /// Likewise one that scenes have used and no client has asked for since: they are gone.
+  /// A mesh that scenes have used, and no client has asked for since, is dropped after this.
   std::chrono::steady_clock::duration released = std::chrono::seconds(5);
 };
 
@@ -68,7 +68,8 @@ class BlobStore {
   /// The mesh; from disk if it is not in memory, and then read once to check it, and not resident.
   /// Errors: kNotFound, kResourceExhausted (the memory budget), kDataLoss (its file is corrupt).
   Result<MeshPointer> load(const BlobDigest& digest);
-  /// The same for a scene: when no scene has the mesh any more, it is released.
+  /// Loads a mesh for a scene, with the errors of load(). It is released when no scene has it any
+  /// more.
   Result<MeshPointer> use(const BlobDigest& digest);
   /// A mesh of its own: `base` with the vertices of this one on disk. Errors: as load().
   Result<MeshPointer> load_patched(const scenegraph::model::Mesh& base, const BlobDigest& digest);
@@ -97,7 +98,7 @@ class BlobStore {
   /// Errors: as Upload::finish.
   Result<MeshPointer> complete(const std::shared_ptr<Upload>& upload);
 
-  /// Keeps the upload so that a later call can resume it. Of two with one digest the longer is
+  /// Keeps the upload so that a later call can resume it. If two have one digest, the longer is
   /// kept.
   void set_aside(const std::shared_ptr<Upload>& upload);
   /// Removes the upload.
@@ -118,7 +119,7 @@ class BlobStore {
   /// Removes meshes from the disk that nothing names and nothing in this process uses. Needs a
   /// disk. Returns and errors: as store::Store::sweep().
   Result<std::uint64_t> sweep(Upload::Clock::duration grace);
-  /// All that are in memory.
+  /// All meshes in memory.
   std::vector<MeshPointer> meshes() const;
 
  private:
@@ -130,7 +131,7 @@ class BlobStore {
   struct Stored {
     MeshPointer mesh;
     exec::MemoryAccount::Charge charge;
-    std::uint64_t order = 0;  // of arrival
+    std::uint64_t order = 0;  // counts arrivals
     Upload::Clock::time_point arrived = {};
     mutable Upload::Clock::time_point used = arrived;  // or asked for
     mutable bool released = false;                     // used by a scene, not asked for since
@@ -138,9 +139,9 @@ class BlobStore {
   using PendingList = std::list<Pending>;
   class Source;
 
-  /// Of the trees of all meshes: they count in the account.
+  /// The builder of the trees of all meshes, which count in the account.
   accel::mesh::TreeBuilder builder() const { return {.memory = memory_.trees()}; }
-  /// `charge`: of a mesh that is resident. On disk it is not.
+  /// `charge`: for the bytes of a resident mesh. A mesh on disk is not resident.
   MeshPointer insert(const BlobDigest& digest, MeshPointer mesh,
                      exec::MemoryAccount::Charge charge);
   Result<MeshPointer> read(const BlobDigest& digest) const;
@@ -148,7 +149,7 @@ class BlobStore {
   PendingList::const_iterator set_aside_of(const BlobDigest& digest) const;
   Result<std::shared_ptr<Upload>> resume(const BlobDigest& digest, std::uint64_t offset);
   void erase(const Upload* upload);
-  /// May an upload of this caller go to make room in this scope?
+  /// Whether an upload of this caller may go to make room in this scope.
   using MayGo = std::function<bool(const exec::Caller& owner)>;
   bool drop_upload(bool idle, const MayGo& may_go);
 
@@ -159,7 +160,7 @@ class BlobStore {
   mutable std::mutex mutex_;
   PendingList pending_;  // oldest first
   std::map<BlobDigest, Stored> meshes_;
-  std::map<BlobDigest, exec::Quotas::Use> quotas_;  // of uploaded meshes that are still stored
+  std::map<BlobDigest, exec::Quotas::Use> quotas_;  // uploaded meshes that are still stored
   std::uint64_t next_order_ = 0;
 };
 

@@ -40,8 +40,8 @@ void store(std::vector<Row>& rows, std::uint64_t offset, std::span<const std::by
   std::memcpy(reinterpret_cast<std::byte*>(rows.data()) + offset, bytes.data(), bytes.size());
 }
 
-/// Memory that was used before may be resident: its whole pages are given back, and come again as
-/// rows arrive.
+/// Reserves rows whose pages become resident as rows arrive: whole pages of memory that was used
+/// before are given back.
 template <class Row>
 void reserve_untouched(std::vector<Row>& rows, std::uint64_t count) {
   rows.reserve(count);

@@ -40,9 +40,8 @@ class MeshBlobReader {
 
   std::uint64_t received() const { return received_; }
 
-  /// Makes the mesh after all bytes have arrived. The arrays move into it. `builder`: of its tree.
-  /// Errors: kInvalidArgument (bytes are missing, an index is out of range), as
-  /// Mesh::make.
+  /// Makes the mesh after all bytes have arrived. The arrays move into it. `builder` makes its
+  /// tree. Errors: kInvalidArgument (bytes are missing, an index is out of range), as Mesh::make.
   Result<std::shared_ptr<const scenegraph::model::Mesh>> finish(
       const accel::mesh::TreeBuilder& builder = {});
 

@@ -31,7 +31,7 @@ void Upload::resume() {
 }
 
 Status Upload::append(std::uint64_t offset, std::span<const std::byte> bytes) {
-  // No more than it declares: the rest is an error.
+  // It holds no more than it declares: the rest is an error.
   const std::uint64_t after = std::min(committed() + bytes.size(), digest_.size);
   if (Status held = slot_->hold(after); !held) return held;
   const std::lock_guard lock(mutex_);

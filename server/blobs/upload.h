@@ -22,7 +22,7 @@ namespace sightline::server::blobs {
 /// An upload makes progress with each part of this many bytes.
 inline constexpr std::uint64_t kUploadProgress = std::uint64_t{64} << 10;
 
-/// One that gets fewer bytes a second stands still.
+/// An upload that gets fewer bytes a second stands still.
 inline constexpr std::uint64_t kUploadPace = std::uint64_t{16} << 10;
 
 /// One upload of a blob in progress: its bytes so far and their checksum. With a writer, they also

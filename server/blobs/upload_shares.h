@@ -50,7 +50,7 @@ class UploadShares {
     UploadShares& shares_;
     const exec::Caller caller_;
     std::mutex mutex_;                    // protects the next two
-    exec::MemoryAccount::Charge charge_;  // as many bytes are in the shares
+    exec::MemoryAccount::Charge charge_;  // the shares hold as many bytes
     bool released_ = false;
   };
 

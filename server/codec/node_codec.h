@@ -13,7 +13,7 @@ Result<scenegraph::model::Affine> decode_transform(const v1::Transform& transfor
 Result<scenegraph::model::Mobility> decode_mobility(v1::Mobility mobility);
 v1::Mobility encode_mobility(scenegraph::model::Mobility mobility);
 void encode_node(const scenegraph::model::Node& node, v1::Node& out);
-/// Without its mesh. Errors: kInvalidArgument.
+/// Decodes a node without its mesh. Errors: kInvalidArgument.
 Result<scenegraph::model::Node> decode_node(const v1::Node& node);
 
 }  // namespace sightline::server::codec

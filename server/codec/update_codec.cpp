@@ -18,8 +18,8 @@ namespace {
 using scenegraph::model::Affine;
 
 constexpr std::size_t kMatrixBytes = sizeof(Affine::m);
-constexpr std::size_t kMaxNodeBytes = 10;  // of a node's number on the wire
-constexpr std::size_t kMissingNamed = 4;   // as many digests as fit an error message
+constexpr std::size_t kMaxNodeBytes = 10;  // a node's number on the wire
+constexpr std::size_t kMissingNamed = 4;   // digests in an error message
 
 /// Decodes one batch, and gathers the digests that no mesh was uploaded for.
 class UpdateDecoder {
@@ -127,7 +127,7 @@ class UpdateDecoder {
   std::set<std::string> missing_;
 };
 
-/// One for each kind of update; see encode_update().
+/// Encodes each kind of update; see encode_update().
 struct Encoder {
   std::size_t first;
   std::size_t bytes;

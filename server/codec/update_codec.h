@@ -26,13 +26,13 @@ Result<std::vector<scenegraph::model::Update>> decode_updates(
     const google::protobuf::RepeatedPtrField<v1::Update>& updates, blobs::BlobStore& blobs,
     std::size_t first = 0);
 
-/// As decode_updates(), for nodes that are put. `first` is the number of nodes before them; the
-/// limit is that of one message.
+/// Decodes nodes that are put. `first` is the number of nodes before them; the limit is that of one
+/// message. Errors: as decode_updates().
 Result<std::vector<scenegraph::model::Update>> decode_nodes(
     const google::protobuf::RepeatedPtrField<v1::PutNode>& nodes, blobs::BlobStore& blobs,
     std::size_t first);
 
-/// As decode_updates(), for what encode_update() has made of a batch of any length.
+/// Decodes what encode_update() has made of a batch of any length. Errors: as decode_updates().
 Result<std::vector<scenegraph::model::Update>> decode_kept_updates(
     const google::protobuf::RepeatedPtrField<v1::Update>& updates, blobs::BlobStore& blobs);
 

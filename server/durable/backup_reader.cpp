@@ -13,9 +13,9 @@
 namespace sightline::server::durable {
 namespace {
 
-/// Of a part, about.
+/// About the bytes of a part.
 constexpr std::size_t kBytes = std::size_t{512} << 10;
-/// How often a scene is begun whose log is cut while it is read.
+/// How often a scene is read whose log is cut meanwhile.
 constexpr int kAttempts = 5;
 
 /// Whether the scene was removed, or its log was cut, after its turn had come.
@@ -50,7 +50,7 @@ Result<bool> BackupReader::next(v1::BackupPart& part) {
   }
 }
 
-/// A part, or a step without one. False: there are no more scenes.
+/// Reads a part, or makes a step without one. False: there are no more scenes.
 Result<bool> BackupReader::read_step(v1::BackupPart& part) {
   Status done;
   switch (step_) {
@@ -146,7 +146,7 @@ Result<bool> BackupReader::read_nodes(v1::BackupPart& part) {
   return true;
 }
 
-/// After the last batch, the end.
+/// Reads a batch; after the last, the end of the scene.
 Status BackupReader::read_batch(v1::BackupPart& part) {
   if (batches_.empty() && revision_ == scene_.revision) {
     part.mutable_end();

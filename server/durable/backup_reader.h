@@ -41,14 +41,14 @@ class BackupReader {
   std::vector<store::SceneRecord> scenes_;  // the next one last
   std::set<blobs::BlobDigest> sent_;        // meshes
   Step step_ = Step::kScene;
-  // Of the scene that is read:
+  // The scene that is read:
   int attempts_ = 0;
   store::SceneRecord scene_;
-  std::vector<blobs::BlobDigest> meshes_;  // that are not sent yet
+  std::vector<blobs::BlobDigest> meshes_;  // meshes that are not sent yet
   std::shared_ptr<const store::BlobBytes> mesh_;
-  std::uint64_t chunk_ = 0;  // of the nodes
+  std::uint64_t chunk_ = 0;  // the next chunk of the nodes
   std::deque<store::LoggedBatch> batches_;
-  std::uint64_t revision_ = 0;  // of the last batch in batches_ or before
+  std::uint64_t revision_ = 0;  // the last batch in batches_ or before
   std::size_t offset_ = 0;      // in the mesh or in the first batch
 };
 

@@ -17,7 +17,7 @@ class BackupRpc : public v1::BackupService::CallbackService {
     const scenes::Services& services;
     exec::MemoryAccount& memory;
     store::Store* store = nullptr;  ///< Null: scenes are in memory only.
-    exec::CallRegistry& calls;      ///< The open ones.
+    exec::CallRegistry& calls;      ///< The open calls.
   };
   /// The parts outlive this object.
   explicit BackupRpc(const Parts& parts) : parts_(parts) {}

@@ -15,7 +15,7 @@
 
 namespace sightline::server::durable {
 
-/// Of a part, about.
+/// About the bytes of a part.
 inline constexpr std::size_t kPartBytes = std::size_t{1} << 20;
 
 /// Writes a revision in parts. Threads: one at a time.
@@ -27,7 +27,7 @@ class NodesWriter {
   /// Makes blobs of the meshes whose vertices were changed. Call it first. Waits for the disk.
   /// Returns their bytes. Errors: as BlobStore::keep.
   Result<std::uint64_t> keep_patched(blobs::BlobStore& blobs);
-  /// Of all blobs that the parts name.
+  /// The names of all blobs that the parts name.
   std::vector<blobs::BlobDigest> blobs() const;
 
   /// The next part, of about `bytes` bytes; empty after the last.
@@ -66,7 +66,7 @@ class NodesReader {
   Status add(std::string_view part);
   /// Nodes so far.
   std::size_t size() const { return content_.nodes.size(); }
-  /// After the last part.
+  /// The nodes of all parts. Call it after the last part.
   scenegraph::SceneContent finish(std::uint64_t revision) &&;
 
  private:

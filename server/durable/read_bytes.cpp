@@ -12,12 +12,12 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::internal::WireFormatLite;
 using google::protobuf::io::CodedInputStream;
 
-/// A message, as protobuf and as we hold it.
+/// Bytes of a message, as protobuf and as we hold it.
 constexpr std::uint64_t kPerMessage = 768;
 /// A string is copied once; in protobuf it is an object of its own.
 constexpr std::uint64_t kPerString = 64;
 constexpr std::uint64_t kCopies = 2;
-/// A number that is one of many.
+/// Bytes of a number that is one of many.
 constexpr std::uint64_t kPerNumber = 2 * sizeof(std::uint64_t);
 /// Protobuf refuses what is nested deeper.
 constexpr int kMostDeep = 100;
@@ -45,7 +45,7 @@ std::uint64_t bytes_of_message(const Descriptor& type, std::string_view message,
   return bytes;
 }
 
-/// Null: a field that is not known is kept as it is.
+/// `field`: null for an unknown one, which is kept as it is.
 std::uint64_t bytes_of_part(const FieldDescriptor* field, std::string_view part, int depth) {
   if (field == nullptr) return kPerString + kCopies * part.size();
   switch (field->cpp_type()) {

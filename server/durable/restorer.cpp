@@ -36,10 +36,10 @@ struct Restorer::Scene {
   std::uint64_t base = 0, revision = 0;
   std::uint64_t wanted = 0;  ///< The revision to restore.
   NodesReader nodes;
-  std::uint64_t name_bytes = 0, node_bytes = 0;  ///< Of the nodes so far.
+  std::uint64_t name_bytes = 0, node_bytes = 0;  ///< Bytes of the nodes so far.
   bool in_log = false;                           ///< The nodes at the base are whole.
   std::uint64_t logged = 0;                      ///< The revision of the last whole batch.
-  std::string updates;                           ///< Of a batch that is not whole.
+  std::string updates;                           ///< Bytes of a batch that is not whole.
   scenegraph::Scene scene;
 };
 
@@ -76,7 +76,7 @@ Status Restorer::take_nodes(Scene& scene, const std::string& nodes) {
   return hold(scene, 0);
 }
 
-/// A mesh that is stored is passed over.
+/// Takes part of a mesh. A mesh that is stored is skipped.
 Status Restorer::take_mesh(const v1::BackupMesh& mesh) {
   if (!std::exchange(in_mesh_, true)) {
     const auto digest = blobs::BlobDigest::parse(mesh.digest());
@@ -97,7 +97,7 @@ Status Restorer::take_mesh(const v1::BackupMesh& mesh) {
   return made ? Status() : Status(made.error());
 }
 
-/// One that has no end yet is dropped.
+/// Begins a scene. One that has no end yet is dropped.
 Status Restorer::begin_scene(const v1::BackupScene& begun) {
   auto info = updates::decode_scene(begun.scene());
   if (!info) return info.error();
@@ -139,7 +139,7 @@ Status Restorer::take_batch(Scene& scene, const v1::BackupBatch& batch) {
   return apply(scene, std::exchange(scene.updates, {}));
 }
 
-/// After the last of its nodes.
+/// Begins the log of a scene after the last of its nodes.
 Status Restorer::begin_log(Scene& scene) {
   if (std::exchange(scene.in_log, true) || scene.base == 0) return {};
   return scene.scene.restore(std::move(scene.nodes).finish(scene.base));

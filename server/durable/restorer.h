@@ -38,12 +38,13 @@ class Restorer {
   Restorer& operator=(const Restorer&) = delete;
 
   /// Takes the next part. What has arrived of a scene counts as an upload of the caller. A scene is
-  /// restored with its end. Errors: kInvalidArgument (bad names or parts out of order), kDataLoss
-  /// (corrupt parts), kOutOfRange (the backup does not have the revision), kResourceExhausted (a
-  /// scene or a batch that is too large for the memory budget), as SceneStore::restore and Upload.
+  /// restored when its end arrives. Errors: kInvalidArgument (bad names or parts out of order),
+  /// kDataLoss (corrupt parts), kOutOfRange (the backup does not have the revision),
+  /// kResourceExhausted (a scene or a batch that is too large for the memory budget), as
+  /// SceneStore::restore and Upload.
   Status take(const v1::BackupPart& part);
-  /// After the last part. Errors: kDataLoss (it was not the last), kNotFound (the scene is not in
-  /// the backup).
+  /// Call it after the last part. Errors: kDataLoss (it was not the last), kNotFound (the scene is
+  /// not in the backup).
   Status finish() const;
 
   struct Restored {
@@ -67,7 +68,7 @@ class Restorer {
 
   const Parts parts_;
   const Wanted wanted_;
-  std::shared_ptr<blobs::Upload> upload_;  // of a mesh that is not whole
+  std::shared_ptr<blobs::Upload> upload_;  // a mesh that is not whole
   bool in_mesh_ = false;
   bool in_scene_ = false;  // perhaps one that is not wanted
   std::unique_ptr<Scene> scene_;

@@ -30,7 +30,7 @@ StoreFollower::~StoreFollower() {
   parts_.store.unwatch();
 }
 
-/// On the thread of the store.
+/// Runs on the thread of the store.
 void StoreFollower::changed(std::span<const store::SceneId> ids) {
   const Status noted = exec::to_status([&]() -> Status {
     bool all_known = !ids.empty();
@@ -45,8 +45,8 @@ void StoreFollower::changed(std::span<const store::SceneId> ids) {
   if (!noted) spdlog::debug("event=store_not_compared error={}", noted.error().message);
 }
 
-/// Compares all scenes with those of the store. What is known is listed first: a scene that is made
-/// here meanwhile is not missed.
+/// Compares all scenes with those of the store. The known ones are listed first: a scene that is
+/// made here meanwhile is not taken for a removed one.
 Status StoreFollower::compare() {
   const Clock::time_point asked = Clock::now();
   auto known = scenes_.by_number();

@@ -35,7 +35,7 @@ class StoreFollower {
 
   struct Behind {
     scenes::Lag lag;    ///< The most revisions, and the longest time, of any scene.
-    std::string scene;  ///< That is behind for longest.
+    std::string scene;  ///< The scene that is behind for longest.
   };
   Behind behind() const;
   const scenes::Replica& replica() const { return replica_; }
@@ -48,7 +48,7 @@ class StoreFollower {
   StoreKeeper& keeper_;
   scenes::SceneStore& scenes_;
   scenes::Replica& replica_;
-  /// As of the last comparison. Used on the thread of the store.
+  /// The scenes at the last comparison. Used on the thread of the store.
   std::map<store::SceneId, std::weak_ptr<scenes::StoredScene>> known_;
 };
 

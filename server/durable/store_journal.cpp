@@ -13,7 +13,7 @@
 namespace sightline::server::durable {
 namespace {
 
-/// Updates that are read from the log at a time.
+/// Bytes of updates that are read from the log at a time.
 constexpr std::uint64_t kReadBytes = std::uint64_t{16} << 20;
 static_assert(2 * kPartBytes <= store::kMaxSnapshotChunk);
 
@@ -179,7 +179,7 @@ Status StoreJournal::write_snapshot(const scenegraph::SceneState& state, std::ui
   return move_base(oldest);
 }
 
-/// Drops what no revision that can be read needs. Other servers may do the same.
+/// Drops what no readable revision needs. Other servers may do so, too.
 Status StoreJournal::move_base(std::uint64_t oldest) {
   const auto record = parts_.store.scene(id_);
   if (!record) return record.error();

@@ -15,8 +15,8 @@
 
 namespace sightline::server::durable {
 
-/// All nodes are written down when the log since the last time has grown to what that cost. Must be
-/// made by std::make_shared.
+/// Writes a snapshot of all nodes when the log since the last one has as many bytes as that had.
+/// Must be made by std::make_shared.
 class StoreJournal final : public scenes::Journal,
                            public std::enable_shared_from_this<StoreJournal> {
  public:
@@ -44,7 +44,7 @@ class StoreJournal final : public scenes::Journal,
 
   const StoreParts parts_;
   const store::SceneId id_;
-  std::atomic<std::uint64_t> log_bytes_;     // of updates since the last snapshot
+  std::atomic<std::uint64_t> log_bytes_;     // updates since the last snapshot
   std::atomic<std::uint64_t> last_cost_{0};  // bytes of the last snapshot
   std::atomic<bool> writing_{false};         // a task writes a snapshot
 };

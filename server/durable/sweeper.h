@@ -10,7 +10,7 @@ namespace sightline::server::durable {
 
 /// A mesh stays this long after it was stored or asked for: its client may be about to use it.
 inline constexpr std::chrono::minutes kBlobGrace{30};
-/// Between two sweeps.
+/// The time between two sweeps.
 inline constexpr std::chrono::minutes kSweepEvery{5};
 
 /// Threads: any.

@@ -79,16 +79,16 @@ class Admission {
         capacity_(capacity),
         bytes_(ShareLimits::of(limits.bytes)) {}
 
-  /// Of the bytes, a connection and a principal have a fixed share (Shares). Of the rays, a
-  /// connection alone may use up the limit. With others its share is the limit divided by the
-  /// number of connections with rays in flight, itself included. If the limit is used up, those
-  /// that stay within their share still have the reserve, while those above theirs are refused:
-  /// none can shut out others. Errors: kResourceExhausted, naming the limit, the amount in flight
-  /// and the requested amount. Never waits. Threads: any.
+  /// A connection and a principal have a fixed share of the bytes (Shares). A connection alone may
+  /// use up the limit of rays. With others its share is the limit divided by the number of
+  /// connections with rays in flight, itself included. If the limit is used up, those that stay
+  /// within their share still have the reserve, while those above theirs are refused: none can shut
+  /// out others. Errors: kResourceExhausted, naming the limit, the amount in flight and the
+  /// requested amount. Never waits. Threads: any.
   Result<Ticket> admit(const Caller& caller, std::uint64_t rays, std::uint64_t bytes);
 
   const AdmissionLimits& limits() const { return limits_; }
-  /// What is in flight now: of the rays at most 1 + 1 / kReserveShare times the limit.
+  /// What is in flight now. The rays are at most 1 + 1 / kReserveShare times the limit.
   AdmissionLimits in_flight() const;
 
  private:
@@ -99,7 +99,7 @@ class Admission {
   const Capacity capacity_;
   mutable std::mutex mutex_;
   std::uint64_t rays_ = 0;
-  std::map<std::string, std::uint64_t> connection_rays_;  // of connections with rays in flight
+  std::map<std::string, std::uint64_t> connection_rays_;  // connections with rays in flight
   Shares bytes_;
 };
 

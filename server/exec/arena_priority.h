@@ -12,25 +12,25 @@ namespace sightline::server::exec {
 struct Priority {
   /// Added to the niceness of the process.
   int nice = 0;
-  /// A thread that wakes up, with a shorter time slice, runs at once instead of a thread with this
-  /// one (Linux 6.12 and later). 0: that of the system, some milliseconds.
+  /// A thread that wakes up runs at once instead of one with a longer time slice (Linux 6.12 and
+  /// later). 0: that of the system, some milliseconds.
   std::chrono::microseconds time_slice{0};
 };
 
-/// Of the threads that serve calls and small queries: most of what runs has longer slices, and
-/// gives way to them when they wake up.
+/// The priority of the threads that serve calls and small queries. Most of what runs has longer
+/// slices, and gives way to them when they wake up.
 inline constexpr Priority kPrompt{.time_slice = std::chrono::microseconds(500)};
 
 /// The priority, without the niceness where RLIMIT_NICE does not let threads return from it.
 Priority permitted(const Priority& priority);
 
-/// Of the calling thread, for good; threads that it starts inherit it. Returns whether the system
-/// allows it.
+/// Sets the priority of the calling thread, for good; threads that it starts inherit it. Returns
+/// whether the system allows it.
 bool set_priority(const Priority& priority);
 
-/// Gives all threads of the process its own niceness again. Before the process ends: a thread with
-/// a high one must get a processor to end too, which takes seconds on a busy machine. Allocates
-/// nothing.
+/// Gives all threads of the process its own niceness again. Call it before the process ends: a
+/// thread with a high one must get a processor to end, too, which takes seconds on a busy machine.
+/// Allocates nothing.
 void restore_niceness();
 
 /// Gives oneTBB's threads a priority while they are in the arena, which must outlive this. They

@@ -15,7 +15,7 @@ class Allocator final : public grpc::ContextAllocator {
   grpc::CallbackServerContext* NewCallbackServerContext() override {
     return new CallContext(calls_);
   }
-  /// Of methods that do not exist.
+  /// Makes the context of a call of a method that does not exist.
   grpc::GenericCallbackServerContext* NewGenericCallbackServerContext() override {
     return new grpc::GenericCallbackServerContext();
   }
@@ -49,7 +49,7 @@ void CallContexts::end_outdated(const Current& current) {
       grpc_call_ref(outdated.back());
     }
   }
-  // Without the lock: the end of a call may run in this thread, and removes its context.
+  // The lock is not held: the end of a call may run in this thread, and removes its context.
   for (grpc_call* call : outdated) {
     grpc_call_cancel_with_status(call, GRPC_STATUS_UNAUTHENTICATED,
                                  "the token of this call is not valid any more", nullptr);

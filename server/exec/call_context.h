@@ -55,8 +55,8 @@ class CallContext final : public grpc::CallbackServerContext {
   std::shared_ptr<const Principal> principal_;
 };
 
-/// For grpc::ServerBuilder: every call of the server gets a CallContext. `calls` outlives the
-/// server.
+/// An allocator for grpc::ServerBuilder: every call of the server gets a CallContext. `calls`
+/// outlives the server.
 std::unique_ptr<grpc::ContextAllocator> make_contexts(CallContexts& calls);
 
 /// The principal of a call; null if it has none.

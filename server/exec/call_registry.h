@@ -30,7 +30,7 @@ struct CallKind {
 
 /// A stream on which its client has sent nothing for this long is ended.
 inline constexpr std::chrono::minutes kIdleStream{10};
-/// One that is idle for this long is ended where another call needs its place.
+/// A stream that is idle for this long is ended where another call needs its place.
 inline constexpr std::chrono::seconds kIdleGivesWay{10};
 
 /// One connection may have 1 / kConnectionCallShare of the open calls of a kind.
@@ -74,11 +74,11 @@ class CallRegistry {
 
   /// Registers a call. Where no place is free, the call of the same scope that has waited longest
   /// for its peer is ended, if it gives way. Never waits. Errors: kResourceExhausted, naming the
-  /// limit; stopped_error() after stop(). `wait`: of this call, until leave(). Null: it is never
+  /// limit; stopped_error() after stop(). `wait`: this call's, until leave(). Null: it is never
   /// late.
   Status enter(const void* call, const Caller& caller, Ends ends, const PeerWait* wait = nullptr);
-  /// After it returns, no end of the call is running or will run. A call that is not registered:
-  /// nothing to do.
+  /// After it returns, no end of the call is running or will run. Does nothing for a call that is
+  /// not registered.
   void leave(const void* call);
 
   /// Ends the calls that are late at `now`, each once.
@@ -87,7 +87,7 @@ class CallRegistry {
   /// Ends every open call. Later calls of enter() fail.
   void stop();
   bool stopped() const;
-  /// kUnavailable: the error of a call that ends because the server stops.
+  /// The error (kUnavailable) of a call that ends because the server stops.
   Error stopped_error() const;
   std::size_t open() const;
 

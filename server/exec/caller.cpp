@@ -25,7 +25,7 @@ const std::string& secret() {
   return kMade;
 }
 
-/// What made_for() has named.
+/// The peer that made_for() has named.
 std::optional<std::string> named_peer(const grpc::CallbackServerContext& context) {
   const auto found = context.client_metadata().find(kMadeFor);
   if (found == context.client_metadata().end()) return {};

@@ -36,16 +36,17 @@ class Compute {
   /// and scenes. Parallel loops use the same workers. Threads: any.
   void enqueue(const FlowKey& key, Slice slice) { push(queries_, key, std::move(slice)); }
 
-  /// As enqueue(), for other work() of a caller, such as a part of an upload. It must not throw.
+  /// Runs other work() of a caller, such as a part of an upload, on workers for queries. It must
+  /// not throw.
   template <class Work>
   void enqueue_work(const Caller& caller, Work work) {
     push(queries_, flow_of(caller), job_of(std::move(work)));
   }
 
-  /// As enqueue(), on workers for queries of few rays.
+  /// Runs the job on workers for queries of few rays.
   void enqueue_small(const FlowKey& key, Slice slice) { push(small_, key, std::move(slice)); }
 
-  /// As enqueue(), on background workers: for long work such as full builds. Beside other workers
+  /// Runs the job on background workers: for long work such as full builds. Beside other workers
   /// they get little of the processors.
   void enqueue_background(const FlowKey& key, Slice slice) {
     push(background_, key, std::move(slice));

@@ -31,7 +31,7 @@ class FairQueue::Flow {
     above->add_ready(now ? -ready : ready);
   }
 
-  /// Has a place in the order of turns while jobs wait or it owes.
+  /// Gives the flow a place in the order of turns, which it has while jobs wait or it owes.
   void enlist() {
     for (Flow* at = this; at->above != nullptr; at = at->above) {
       at->above->turns.splice(at->above->turns.end(), at->unlisted);
@@ -58,7 +58,7 @@ class FairQueue::Flow {
     }
   }
 
-  /// With all below it, whose debts among themselves are forgotten.
+  /// Removes an idle flow with all below it, whose debts among themselves are forgotten.
   void remove_if_idle() {
     if (above == nullptr || unlisted.empty() || running > 0) return;
     Flow* parent = above;
@@ -70,14 +70,14 @@ class FairQueue::Flow {
   const std::string key;
   std::map<std::string, std::unique_ptr<Flow>> children;
   // Elements move between lists, so that a worker needs no memory to take a job and to return it.
-  std::list<Flow*> turns;     // of children
+  std::list<Flow*> turns;     // the children's
   std::list<Flow*> unlisted;  // this flow, unless it is in above->turns
   std::list<Slice> jobs;
   std::size_t waiting = 0, ready = 0;  // jobs here and below: all, and those not held below
   std::size_t running = 0;             // turns
   std::size_t long_turns = 0;
   Cost deficit{0};
-  bool has_quantum = false;  // of its turn
+  bool has_quantum = false;  // its turn has given it one
   bool held = false;
 };
 

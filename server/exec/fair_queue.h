@@ -11,7 +11,7 @@
 
 namespace sightline::server::exec {
 
-/// Whose work it is. Time is divided level by level: among principals, among the connections of
+/// The owner of work. Time is divided level by level: among principals, among the connections of
 /// one, among the scenes of a connection. A machine has one share, however many connections it
 /// opens, and clients behind one address divide its share.
 struct FlowKey {
@@ -39,7 +39,7 @@ class FairQueue {
   /// No flow owes more.
   static constexpr Cost kMostDebt = std::chrono::milliseconds(500);
 
-  /// Of one connection or one scene, jobs are held while that many of its turns are long: more
+  /// The jobs of a connection or a scene are held while it has `long_turns` long turns: more
   /// workers would not help it, and others need them.
   explicit FairQueue(std::size_t long_turns);
   ~FairQueue();
@@ -47,7 +47,7 @@ class FairQueue {
   class Flow;
   struct Turn {
     Flow* flow = nullptr;    ///< Valid until end().
-    std::list<Slice> job{};  ///< One.
+    std::list<Slice> job{};  ///< Exactly one job.
     bool run() { return job.front()(); }
   };
 
@@ -55,11 +55,11 @@ class FairQueue {
   void push(const FlowKey& key, Slice slice);
   /// Whether a job waits that is not held.
   bool ready() const;
-  /// The next job of the flow whose turn it is. Only if ready().
+  /// The next job of the flow whose turn it is. Call it only if ready().
   Turn take();
   /// Charges the flow of a turn.
   void charge(Flow& flow, Cost cost);
-  /// Says once of a turn that it is long.
+  /// Notes that a turn is long. Call it once for a turn.
   void mark_long(Flow& flow);
   /// Ends a turn, with `was_long` if it was marked. `again`: its job has more and is the next of
   /// its flow.

@@ -86,7 +86,7 @@ void FairWorkers::begin_turn(Arena& arena) {
   ++short_;
 }
 
-/// As many threads are made as there are turns. If that fails, turns wait for the threads there
+/// Makes threads until there is one for each turn. If that fails, turns wait for the threads there
 /// are.
 void FairWorkers::wake_for_turns(std::size_t takers) {
   if (!options_.prompt) return;

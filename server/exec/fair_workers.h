@@ -21,7 +21,7 @@ struct WorkersOptions {
   /// A slice that runs for longer is long: it no longer counts as one of the workers.
   std::chrono::milliseconds long_after{50};
   Priority priority{};
-  /// For short work: the workers are threads that sleep while they have no slice. Those of oneTBB
+  /// Whether the work is short: the workers then sleep while they have no slice. Workers of oneTBB
   /// look for work for some time before they sleep, and yield meanwhile. The system takes a yield
   /// as a time slice used, so on a busy machine they begin later.
   bool prompt = false;

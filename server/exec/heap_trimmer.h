@@ -6,15 +6,17 @@
 
 namespace sightline::server::exec {
 
-/// The C library keeps freed pages in the middle of its heap: of what was dropped, and of what
-/// building trees took for a while. Threads: one at a time.
+/// The C library keeps freed pages in the middle of its heap. The trimmer returns those of what was
+/// dropped, and of what building trees took for a while. Threads: one at a time.
 class HeapTrimmer {
  public:
-  /// The least that is worth a pass over the heap, and the least share of what is held.
+  /// Freed bytes for which a pass over the heap pays: this many, and 1 / kLeastShare of the most
+  /// that was held.
   static constexpr std::uint64_t kLeastBytes = std::uint64_t{1} << 20;
   static constexpr std::uint64_t kLeastShare = 16;
-  /// The same for memory that came in use and is not held. Trees that are still built use it again:
-  /// what is held must have been steady for this number of calls.
+  /// A pass also pays for this many bytes that came in use and are not held, and
+  /// 1 / kLeastScratchShare of the resident ones. Trees that are still built use them again: what
+  /// is held must have been steady for kSteadyCalls calls.
   static constexpr std::uint64_t kLeastScratch = std::uint64_t{16} << 20;
   static constexpr std::uint64_t kLeastScratchShare = 8;
   static constexpr int kSteadyCalls = 4;
@@ -33,7 +35,7 @@ class HeapTrimmer {
   int steady_ = 0;                                                          // calls
 };
 
-/// Of this process; 0 if the system does not say.
+/// The resident bytes of this process; 0 if the system does not say.
 std::uint64_t resident_bytes();
 
 }  // namespace sightline::server::exec

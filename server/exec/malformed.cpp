@@ -51,7 +51,8 @@ Error malformed_message() {
 }
 
 std::unique_ptr<experimental::ServerInterceptorFactoryInterface> refuse_malformed() {
-  // It writes a line to standard error for each bad string, and blocks if a pipe there is full.
+  // The handler writes a line to standard error for each bad string, and blocks if a pipe there is
+  // full.
   google::protobuf::SetLogHandler(nullptr);
   return std::make_unique<Factory>();
 }

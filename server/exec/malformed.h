@@ -12,11 +12,11 @@
 
 namespace sightline::server::exec {
 
-/// kInvalidArgument, reason MALFORMED_MESSAGE.
+/// The error of such a request: kInvalidArgument, reason MALFORMED_MESSAGE.
 Error malformed_message();
 
-/// For grpc::ServerBuilder: makes calls with one request end with malformed_message(). Makes
-/// protobuf's parser silent in this process.
+/// An interceptor for grpc::ServerBuilder that makes calls with one request end with
+/// malformed_message(). Makes protobuf's parser silent in this process.
 std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface> refuse_malformed();
 
 /// A call that waits for its peer keeps the memory of messages of this many bytes on the wire.

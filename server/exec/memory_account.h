@@ -103,16 +103,16 @@ class MemoryAccount {
   /// A large call that does not fit into the calls' part leaves MemoryParts::small free. Errors:
   /// kResourceExhausted, naming the use and the limit. Never waits; drops nothing.
   Result<Charge> charge(Held kind, std::uint64_t bytes);
-  /// For bytes that are held in any case.
+  /// Charges bytes that are held in any case. Never refused.
   Charge record(Held kind, std::uint64_t bytes);
-  /// As charge(), but drops what can be made again where the bytes do not fit. May take long. The
-  /// caller holds no lock.
+  /// Charges bytes, and drops what can be made again where they do not fit. `held`: what their
+  /// owner has. May take long. The caller holds no lock. Errors: as charge().
   Result<Charge> reclaim_and_charge(Held kind, std::uint64_t bytes, std::uint64_t held = 0);
-  /// The same for a batch of rays, which keeps what is retired from being freed until it goes on:
-  /// that does not count.
+  /// Charges bytes for a batch of rays, as reclaim_and_charge(). The batch keeps retired bytes from
+  /// being freed until it goes on, so these do not count.
   Result<Charge> reclaim_and_charge_in_batch(Held kind, std::uint64_t bytes);
-  /// Drops what can be made again until `bytes` more fit, for one who has `held`. One that is large
-  /// then leaves MemoryParts::small free. Errors: as charge().
+  /// Drops what can be made again until `bytes` more fit, for an owner that has `held`. A large one
+  /// leaves MemoryParts::small free. Errors: as charge().
   Status reclaim(Held kind, std::uint64_t bytes, std::uint64_t held = 0);
   /// What the trees of meshes count their bytes in. Its limit is what all else leaves.
   const std::shared_ptr<accel::kdtree::TreeMemory>& trees() const { return trees_; }
@@ -130,21 +130,21 @@ class MemoryAccount {
     const std::uint64_t held = held_[index(kind)].load();
     return kind == Held::kTrees ? held + trees_->held() : held;
   }
-  /// Of that: no longer in use, and freed once the batches in flight have gone on.
+  /// Bytes of trees that are no longer in use, and freed once the batches in flight have gone on.
   std::uint64_t retired() const { return trees_->held(accel::kdtree::TreeBytes::kRetired); }
-  /// By what it is held for. Together that is used().
+  /// The held bytes by use; their sum is used().
   std::vector<HeldBytes> uses() const;
   /// The parts of used(Held::kTrees).
   std::vector<HeldBytes> tree_uses() const;
   std::uint64_t budget() const { return budget_; }
   /// What all may hold together without the parts of the calls and of the transport.
   std::uint64_t limit() const { return budget_ - parts_.transport - parts_.calls; }
-  /// What is held of that: used() without what calls hold in their part.
+  /// What is held of limit(): used() without what calls hold in their part.
   std::uint64_t used_of_limit() const {
     const std::uint64_t in_part = std::min(used(Held::kCalls), parts_.calls);
     return std::max(used(), in_part) - in_part;
   }
-  /// Whether one that holds so much leaves the part of what is small free.
+  /// Whether an owner of this many bytes must leave MemoryParts::small free.
   bool is_large(std::uint64_t bytes) const {
     return parts_.small > 0 && bytes > std::min(budget_ / kLargeShare, kLarge);
   }

@@ -8,7 +8,7 @@ namespace {
 
 namespace grpc_experimental = grpc::experimental;
 
-/// Lives as long as its call.
+/// Counts a call, and lives as long.
 class Counted final : public grpc_experimental::Interceptor {
  public:
   explicit Counted(OpenRpcs& calls) : calls_(calls) { calls_.begin(); }

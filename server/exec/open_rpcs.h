@@ -25,8 +25,8 @@ class OpenRpcs {
   std::size_t open_ = 0;
 };
 
-/// For grpc::ServerBuilder: counts the calls in `calls`, which must outlive the server. Calls of
-/// gRPC's own services, such as a watch of the server's health, are not counted.
+/// Interceptors for grpc::ServerBuilder that count the calls in `calls`, which must outlive the
+/// server. Calls of gRPC's own services, such as a watch of the server's health, are not counted.
 std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface> count_calls(OpenRpcs& calls);
 
 }  // namespace sightline::server::exec

@@ -141,7 +141,7 @@ void Quotas::forget_idle(Clock::time_point now) {
   forget_at_ = std::max(kForgetAt, 2 * accounts_.size());
 }
 
-/// With the mutex held, as the members below.
+/// Call it with the mutex held, as the members below.
 std::optional<Error> Quotas::exceeded(const std::string& principal, Quota quota, std::uint64_t used,
                                       std::uint64_t amount) {
   const std::uint64_t limit = limits_of(principal)[index(quota)];

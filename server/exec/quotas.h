@@ -35,14 +35,13 @@ inline constexpr const char* kQuotaStored = "QUOTA_BYTES_STORED";
 /// The quotas of a principal, by Quota. 0: no limit.
 ///   kRays    rays a second that it casts or prefetches
 ///   kBytes   bytes a second of its requests
-///   kWork    its casts, prefetches, other calls and chunks of meshes that are in work at a time;
-///   not
-///            the batches of update streams, which have a window of their own
+///   kWork    its casts, prefetches, other calls and chunks of meshes that are in work at a time
+///            (batches of update streams have a window of their own)
 ///   kStored  bytes of the meshes that it has uploaded, and of its uploads in progress
 using QuotaLimits = std::array<std::uint64_t, kQuotas>;
 
 struct QuotaConfig {
-  QuotaLimits others{};  ///< Of each principal that is not named.
+  QuotaLimits others{};  ///< The quotas of each principal that is not named.
   std::map<std::string, QuotaLimits> principals;
 
   /// Whether anything is limited.
@@ -87,12 +86,12 @@ class Quotas {
 
   /// What one quota of the principals of one name has come to.
   struct Tally {
-    std::string principal;  ///< As configured; "others" for all those that are not named.
+    std::string principal;  ///< The configured name; "others" for all that are not named.
     Quota quota = Quota::kRays;
     std::uint64_t limit = 0, refused = 0;
-    std::uint64_t used = 0;  ///< kWork and kStored: now.
+    std::uint64_t used = 0;  ///< What is used now; only for kWork and kStored.
   };
-  /// For every quota that is limited.
+  /// The tallies of every quota that is limited.
   std::vector<Tally> tallies() const;
 
   /// Principals that use something or did lately.
@@ -121,7 +120,7 @@ class Quotas {
   mutable std::mutex mutex_;
   std::map<std::string, Account> accounts_;
   std::size_t forget_at_ = kForgetAt;
-  std::map<std::string, QuotaLimits> refused_;  // by the name of a tally
+  std::map<std::string, QuotaLimits> refused_;  // by the tally's name
 
   static constexpr std::size_t kForgetAt = 64;
 };

@@ -92,7 +92,7 @@ RefusalPace::Clock::time_point RefusalPace::due(const std::string& connection,
   const std::lock_guard lock(mutex_);
   if (paid_until_.size() >= forget_at_) forget_idle(now);
   Clock::time_point& paid_until = paid_until_[connection];
-  // No later than two delays from now: calls that are cancelled do not count for ever.
+  // It is at most two delays from now: calls that are cancelled do not count for ever.
   paid_until = std::min(std::max(paid_until, now) + interval_, now + 2 * kRetryDelay);
   return std::max(now, paid_until - kRetryDelay);
 }

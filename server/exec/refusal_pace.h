@@ -57,9 +57,9 @@ class RefusalPace {
   bool stopped_ = false;
 };
 
-/// For grpc::ServerBuilder: statuses with RetryInfo wait for `pace`, which must outlive the server.
-/// The request of a unary call is freed meanwhile, by its MessageAllocator; one that has none does
-/// not wait.
+/// Interceptors for grpc::ServerBuilder: statuses with RetryInfo wait for `pace`, which must
+/// outlive the server. The request of a unary call is freed meanwhile, by its MessageAllocator; one
+/// that has none does not wait.
 std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface> pace_refusals(
     RefusalPace& pace);
 

@@ -27,7 +27,7 @@ bool is_temporary(grpc::StatusCode code, std::string_view reason) {
          reason == kQuotaBytes || reason == kQuotaWork;
 }
 
-/// Cut between UTF-8 characters: the text goes into a protobuf string.
+/// The message cut between UTF-8 characters: the text goes into a protobuf string.
 std::string cut(const std::string& message) {
   if (message.size() <= kMaxStatusMessage) return message;
   std::size_t end = kMaxStatusMessage;

@@ -18,7 +18,8 @@ namespace sightline::server::exec {
 inline constexpr const char* kErrorDomain = "sightline";
 /// A client that is refused because others have filled a queue is told to come back after this.
 inline constexpr std::chrono::milliseconds kRetryDelay{1000};
-/// Bytes. Longer messages are cut: a status travels in HTTP/2 trailers, and peers limit their size.
+/// Bytes of a message. Longer ones are cut: a status travels in HTTP/2 trailers, and peers limit
+/// their size.
 inline constexpr std::size_t kMaxStatusMessage = 1024;
 
 /// An error with the code kInvalidArgument.

@@ -9,7 +9,7 @@ ShareLimits ShareLimits::of(std::uint64_t limit, std::uint64_t connection_share)
   const auto at_least_one = [&](std::uint64_t share) {
     return std::max(share, std::min<std::uint64_t>(limit, 1));
   };
-  // Divided first: a limit may be as large as its type.
+  // The limit is divided first: it may be as large as its type.
   return {limit, at_least_one(limit - limit / kPrincipalOf * (kPrincipalOf - kPrincipalParts)),
           at_least_one(limit / connection_share)};
 }

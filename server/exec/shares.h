@@ -47,7 +47,7 @@ class Shares {
   /// Whether `amount` more would exceed a limit: the widest one that it would.
   std::optional<Exceeded> exceeded(const Caller& caller, std::uint64_t amount) const;
   void add(const Caller& caller, std::uint64_t amount);
-  /// `amount` was added for this caller.
+  /// Removes `amount`, which was added for this caller.
   void remove(const Caller& caller, std::uint64_t amount);
 
   std::uint64_t total() const { return total_; }

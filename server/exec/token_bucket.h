@@ -14,7 +14,7 @@ class TokenBucket {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Full at first. `rate`: per second, >= 1.
+  /// The bucket is full at first. `rate`: per second, >= 1.
   TokenBucket(std::uint64_t rate, Clock::time_point now)
       : rate_(static_cast<double>(rate)), level_(rate_), filled_(now) {}
 
@@ -23,7 +23,7 @@ class TokenBucket {
     fill(now);
     return level_ > 0;
   }
-  /// Takes in any case.
+  /// Takes the amount in any case.
   void take(std::uint64_t amount) { level_ -= static_cast<double>(amount); }
 
   /// When open() will be true, from `now` on.

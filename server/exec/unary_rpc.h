@@ -26,19 +26,19 @@ struct UnaryParts {
   Quotas& quotas;
 };
 
-/// Before a reply is handed to gRPC: `held` is set to what accounts for it until the peer has read
-/// it. Returns `status`, or the error if too much is unread; nothing is held for an error.
+/// Call it before a reply is handed to gRPC. Sets `held` to what accounts for it until the peer has
+/// read it. Returns `status`, or the error if too much is unread; nothing is held for an error.
 Status hold_reply(UnreadReplies& unread, grpc::CallbackServerContext& context, const Caller& caller,
                   const google::protobuf::Message& request, const google::protobuf::Message& reply,
                   const Status& status, std::unique_ptr<UnreadReplies::Held>& held);
 
 /// On which workers a call is answered.
 enum class WorkKind : std::uint8_t {
-  kShort,  ///< As other short calls, in the order in which they come.
+  kShort,  ///< With other short calls, in order of arrival.
   kLong,   ///< In turn with queries and uploads of others, so that no short call waits for it.
 };
 
-/// Lives until its reply is read. Deletes itself.
+/// A call, which lives until its reply is read. Deletes itself.
 template <class Work>
 class UnaryCall final : public grpc::ServerUnaryReactor {
  public:

@@ -49,8 +49,8 @@ class UnreadReplies {
   Result<std::unique_ptr<Held>> hold(grpc::CallbackServerContext& context, const Caller& caller,
                                      std::uint64_t bytes);
 
-  /// As hold(), for a reply that must be written: nothing is refused. Beyond the limits its bytes
-  /// do not count, but its time does.
+  /// Holds a reply that must be written: never refused. Beyond the limits its bytes do not count,
+  /// but its time does.
   std::unique_ptr<Held> hold_in_any_case(grpc::CallbackServerContext& context, const Caller& caller,
                                          std::uint64_t bytes);
 

@@ -25,14 +25,15 @@ class QueryMetrics {
   /// `registry` outlives this object.
   explicit QueryMetrics(prometheus::Registry& registry);
 
-  /// An answered batch. `stats`: without what a full build before it did. `time`: since it arrived.
+  /// Counts an answered batch. `stats`: without what a full build before it did. `time`: since it
+  /// arrived.
   void count_batch(scenegraph::QueryKind kind, const scenegraph::TraceStats& stats, Duration time);
 
-  /// Trees whose building began, and the seconds that building took, summed over threads. Nothing
-  /// was built: nothing is counted.
+  /// Counts trees whose building began, and the seconds that building took, summed over threads.
+  /// Counts nothing if nothing was built.
   void count_build(BuildReason reason, std::uint64_t trees, std::uint64_t cells, double seconds);
 
-  /// How long a read has waited for a revision.
+  /// Counts how long a read has waited for a revision.
   void count_revision_wait(Duration time);
 
  private:

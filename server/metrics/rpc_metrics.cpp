@@ -45,7 +45,7 @@ class RpcMetrics::Method {
     if (counter == nullptr) {
       prometheus::Labels labels = labels_;
       labels["grpc_code"] = kCodes[code];
-      counter = &family.Add(labels);  // the same one for the same labels
+      counter = &family.Add(labels);  // equal labels get the same counter
       handled_[code].store(counter);
     }
     return *counter;
@@ -60,7 +60,7 @@ class RpcMetrics::Method {
 
 namespace {
 
-/// Lives as long as its call.
+/// Measures a call, and lives as long.
 class MeasuredCall final : public grpc_experimental::Interceptor {
  public:
   MeasuredCall(RpcMetrics& metrics, RpcMetrics::Method& method)

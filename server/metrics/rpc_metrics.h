@@ -41,7 +41,8 @@ class RpcMetrics {
   std::map<std::string, std::unique_ptr<Method>, std::less<>> methods_;  // constant once made
 };
 
-/// For grpc::ServerBuilder: counts calls in `metrics`, which must outlive the server.
+/// Interceptors for grpc::ServerBuilder that count calls in `metrics`, which must outlive the
+/// server.
 std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface> measure_calls(
     RpcMetrics& metrics);
 

@@ -30,7 +30,8 @@ class Samples {
     summary.sample_sum = sum;
   }
 
-  /// In the order of their first values. Values of one name must have been added one after another.
+  /// The families in the order of their first values. Values of one name must have been added one
+  /// after another.
   const std::vector<prometheus::MetricFamily>& families() const { return families_; }
 
  private:

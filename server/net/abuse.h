@@ -16,7 +16,7 @@ enum class Abuse : std::uint8_t {
 inline constexpr std::array kAbuses{Abuse::kResets, Abuse::kStreams, Abuse::kHeaders,
                                     Abuse::kFrames};
 
-/// As in metrics and the log.
+/// The name in metrics and the log.
 constexpr const char* abuse_name(Abuse abuse) {
   constexpr std::array kNames{"resets", "streams", "headers", "frames"};
   return kNames[static_cast<std::size_t>(abuse)];

@@ -32,13 +32,14 @@ constexpr std::size_t kOwnFiles = 80;
 constexpr std::size_t kFilesPerConnection = 2;
 constexpr std::size_t kMaxConnections = 10'000;
 
-/// Between looks at connections that wait.
+/// The time between looks at connections that wait.
 constexpr std::chrono::milliseconds kLook{10};
 
-/// Addresses whose pace is known, before those are forgotten that may connect at once again.
+/// When the paces of this many addresses are known, those that may connect at once again are
+/// forgotten.
 constexpr std::size_t kMaxPaces = 1'000;
 
-/// After a refusal for which no descriptor was left either.
+/// The pause after a refusal for which no descriptor was left either.
 constexpr std::chrono::milliseconds kPause{10};
 
 Descriptor must(int made, const char* what) {
@@ -124,7 +125,8 @@ bool Acceptor::is_listener(int descriptor) const {
                      [&](const Descriptor& one) { return one.number() == descriptor; });
 }
 
-/// To close the descriptor is not enough: epoll watches the socket, which gRPC may still hold.
+/// Stops watching a connection. To close the descriptor is not enough: epoll watches the socket,
+/// which gRPC may still hold.
 void Acceptor::drop(int connection) {
   epoll_ctl(epoll_.number(), EPOLL_CTL_DEL, connection, nullptr);
   connections_.remove(connection);

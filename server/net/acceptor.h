@@ -26,7 +26,7 @@ namespace sightline::server::net {
 /// address were ended for what they sent.
 class Acceptor {
  public:
-  /// Handed over of one address: a second, and at once.
+  /// How many connections of one address are handed over a second, and at once.
   static constexpr std::uint64_t kPerSecond = 500;
   /// A connection that was ended counts as this number of them.
   static constexpr std::uint64_t kPerEnded = 100;
@@ -50,7 +50,7 @@ class Acceptor {
   /// Accepts nothing any more and closes the listening sockets. Open connections stay. A second
   /// call does nothing. Threads: one at a time.
   void stop();
-  /// After stop(): shuts down the connections that are still open.
+  /// Shuts down the connections that are still open. Call it after stop().
   void shut_down() { connections_.shut_down(); }
 
  private:
@@ -68,12 +68,12 @@ class Acceptor {
   const Events events_;
   Connections connections_;
   struct Waiting {
-    int listener, number;  // of the second descriptor
+    int listener, number;  // `number`: the second descriptor
     std::string address;
     Descriptor connection;
   };
   std::list<Waiting> waiting_;                      // oldest first
-  std::map<std::string, exec::TokenBucket> paces_;  // of addresses that connected lately
+  std::map<std::string, exec::TokenBucket> paces_;  // addresses that connected lately
   Descriptor epoll_, wake_;
   Descriptor reserve_;  // given up for a moment to refuse a connection when there are no more
   std::thread thread_;

@@ -25,8 +25,7 @@ class Connections {
   /// `socket`: another descriptor of the connection's socket, by which it is shut down.
   void add(const std::string& address, Descriptor socket);
 
-  /// The connection that was added with this descriptor is gone. A number that is not here: nothing
-  /// to do.
+  /// Removes the connection that was added with this descriptor. Does nothing for another number.
   void remove(int socket);
 
   /// Shuts all connections down.

@@ -14,7 +14,7 @@
 
 namespace sightline::server::net {
 
-/// Counts and logs them. Threads: any, for every member.
+/// Counts and logs connections that were ended. Threads: any, for every member.
 class EndedConnections {
  public:
   /// Logs at most a line a second.

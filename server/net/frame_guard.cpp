@@ -32,7 +32,7 @@ std::optional<FrameGuard::Verdict> FrameGuard::receive(std::span<const std::uint
   std::optional<std::size_t> end;
   received_.read(bytes, [&](const FrameHead& head, std::ptrdiff_t begin) {
     if (!abuse_) abuse_ = judge(head, now);
-    // A frame whose head was handed on in part goes its way.
+    // A frame cannot be held back once a part of its head was handed on.
     if (!abuse_ || begin < 0) return true;
     end = static_cast<std::size_t>(begin);
     return false;

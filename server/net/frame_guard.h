@@ -40,20 +40,22 @@ class FrameGuard {
   /// Calls at a time before the client has acknowledged the server's settings: it may not know its
   /// limit.
   static constexpr std::size_t kFirstStreams = 100;
-  /// Bytes of fields until then: gRPC's own limit (8 KiB a call) holds from then on only.
+  /// Bytes of fields until that acknowledgement: gRPC's own limit (8 KiB a call) holds only
+  /// afterwards.
   static constexpr std::size_t kFirstFields = std::size_t{64} << 10;
   static constexpr std::size_t kMaxFields = std::size_t{16} << 10;  ///< Bytes, of one call.
-  /// Calls given up that the server has not answered: at once, and a second. Each call answered
-  /// allows for another.
+  /// Calls that a client may give up before they are answered: at once, and a second. Each call
+  /// answered allows for another.
   static constexpr double kResets = 200, kResetsPerSecond = 2'000;
   /// Frames without a use of their own: at once, and a second. A frame of an answer allows for
   /// kFramesPerAnswer more.
   static constexpr double kFrames = 20'000, kFramesPerSecond = 20'000, kFramesPerAnswer = 4;
-  /// Those that want an answer or have fields to decode count as ten.
+  /// A frame that wants an answer or has fields to decode counts as this many.
   static constexpr double kDear = 10;
   /// PING frames: at once, and a second. Each frame with an answer or a window allows for another.
   static constexpr double kPings = 16, kPingsPerSecond = 1;
-  /// A DATA frame of fewer bytes that does not end a message's stream counts as one.
+  /// A DATA frame of fewer bytes that does not end a message's stream counts as a frame without a
+  /// use.
   static constexpr std::size_t kSmallData = 64;
 
   /// `max_streams`: calls at a time that the server's settings allow.
@@ -63,17 +65,17 @@ class FrameGuard {
     Abuse abuse;
     std::size_t at;  ///< What was received from here on begins with a whole frame.
   };
-  /// Bytes from the client. With a verdict the connection has to end, and bytes from `at` on must
-  /// not be handled; nothing may be received afterwards.
+  /// Reads bytes from the client. With a verdict the connection has to end, and bytes from `at` on
+  /// must not be handled; nothing may be received afterwards.
   std::optional<Verdict> receive(std::span<const std::uint8_t> bytes, Clock::time_point now);
-  /// Bytes to the client, before it can have them.
+  /// Reads bytes to the client before it can have them.
   void send(std::span<const std::uint8_t> bytes, Clock::time_point now);
 
  private:
   std::optional<Abuse> judge(const FrameHead& head, Clock::time_point now);
   std::optional<Abuse> judge_fields(const FrameHead& head, Clock::time_point now);
   void answer(const FrameHead& head, Clock::time_point now);
-  /// Whether it was open.
+  /// Closes a stream. Returns whether it was open.
   bool close(std::uint32_t stream);
 
   const std::size_t max_streams_;

@@ -70,7 +70,7 @@ class FrameReader {
 
   std::size_t skip_;  // bytes before the next head
   std::array<std::uint8_t, kHead + kCode> head_{};
-  std::size_t have_ = 0;  // of head_
+  std::size_t have_ = 0;  // bytes in head_
 };
 
 template <class OnFrame>

@@ -23,7 +23,7 @@ constexpr std::size_t kPings = 8 * kPing.size();
 /// How long a connection that ends may wait for a client that does not read.
 constexpr unsigned kEndMilliseconds = 2'000;
 
-/// A few milliseconds late, and much cheaper than the clock's own now().
+/// The time, a few milliseconds late: much cheaper than the clock's own now().
 FrameGuard::Clock::time_point coarse_now() {
   timespec time{};
   clock_gettime(CLOCK_MONOTONIC_COARSE, &time);
@@ -67,7 +67,7 @@ bool GuardedSocket::is_over() {
   return ends_ && pings_put_ == kPings;
 }
 
-/// Behind the first `from` bytes. Returns the size of all.
+/// Puts PING frames behind the first `from` bytes. Returns the size of all.
 std::size_t GuardedSocket::put_pings(Buffers buffers, std::size_t from) {
   std::size_t before = 0;
   for (const iovec& buffer : buffers) {

@@ -27,16 +27,16 @@ class GuardedSocket {
   /// `size` bytes have come into the buffers. Returns how many bytes are in them now: those, or
   /// fewer and PING frames behind them.
   std::size_t received(Buffers buffers, std::size_t size);
-  /// Before anything is read: how many bytes are in the buffers instead of what the client sends.
-  /// 0: nothing comes any more. None: read.
+  /// Call it before anything is read. Returns how many bytes it has put into the buffers instead of
+  /// what the client sends. 0: nothing comes any more. None: read.
   std::optional<std::size_t> instead(Buffers buffers);
 
   /// Whether nothing comes any more.
   bool is_over();
 
-  /// Before bytes are written.
+  /// Call it before bytes are written.
   void sending(Buffers buffers);
-  /// `size` bytes of them were written; the others will come again. Less than 0: none.
+  /// Call it when `size` bytes of them were written; the others will come again. Less than 0: none.
   void sent(std::ptrdiff_t size);
 
  private:

@@ -25,7 +25,7 @@ struct Entry {
 /// More numbers than an acceptor's connections can have (connection_limit()).
 constexpr std::size_t kNumbers = std::size_t{1} << 16;
 
-/// By the socket's number. gRPC does not close a socket that it reads or writes.
+/// Guarded sockets by number. gRPC does not close a socket that it reads or writes.
 std::array<std::atomic<Entry*>, kNumbers> entries;
 
 thread_local const Shared* made_for = nullptr;

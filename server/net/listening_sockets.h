@@ -31,7 +31,7 @@ class SocketFile {
 /// The sockets of one address: a name may stand for several addresses. They do not block.
 struct ListeningSockets {
   std::vector<Descriptor> sockets;
-  std::uint16_t port = 0;  ///< The same for all; 0 for a Unix socket.
+  std::uint16_t port = 0;  ///< The port of all sockets; 0 for a Unix socket.
   SocketFile file = {};
 };
 

@@ -11,7 +11,8 @@
 
 namespace sightline::server::queries {
 
-/// All servers cut in as many shards. Errors: kFailedPrecondition (SHARDS_DIFFER).
+/// Checks that the query counts as many shards as this server. Errors: kFailedPrecondition
+/// (SHARDS_DIFFER).
 Status check_shard(const CastQuery& query, const scenes::Services& services);
 
 /// The shard of the revision; the whole scene, if the query names none. May walk the scene. Errors:

@@ -31,16 +31,16 @@ class BatchRays {
   /// the tracer marks invalid rays. Threads: any.
   void decode(std::size_t first, std::span<accel::geometry::Ray> rays) const;
 
-  /// A view of `count` rays from `first` on, which the batch has. Those of a request are viewed
-  /// where they are; those of a generator are made in `made`. Both, and the batch, must outlive the
-  /// view. Threads: any, each with its own `made`.
+  /// A view of `count` rays from `first` on, which the batch has. A request's rays are viewed where
+  /// they are; a generator's are made in `made`. Both, and the batch, must outlive the view.
+  /// Threads: any, each with its own `made`.
   accel::geometry::RayColumns view(std::size_t first, std::size_t count,
                                    std::vector<double>& made) const;
 
  private:
   const v1::Rays* columns_ = nullptr;  // null: generated
   proto::rays::GeneratedRays generated_;
-  // Of all generated rays.
+  // The range of all generated rays.
   double tmin_ = 0, tmax_ = 0;
   std::uint32_t mask_ = 0;
   std::size_t size_ = 0;

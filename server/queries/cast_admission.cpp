@@ -16,7 +16,7 @@ namespace {
 
 /// Bytes of a reply with every field that DerivedColumns does not write.
 constexpr std::size_t kReplyBytesPerRay = 48;
-/// Enough for rays that are made for a slice, too.
+/// Bytes of a decoded ray and its hit: enough for rays that are made for a slice, too.
 constexpr std::size_t kSliceBytesPerRay =
     sizeof(accel::geometry::Ray) + sizeof(accel::geometry::Hit);
 

@@ -51,7 +51,7 @@ class CastAdmission {
   const Replies replies_;
   exec::Quotas::Use quota_;
   exec::Admission::Ticket ticket_, all_hits_ticket_;
-  exec::Admission::Ticket more_ticket_, more_all_hits_ticket_;  // of list_more()
+  exec::Admission::Ticket more_ticket_, more_all_hits_ticket_;  // what list_more() has booked
   bool lists_more_ = false;
 };
 

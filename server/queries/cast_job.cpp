@@ -60,7 +60,7 @@ Status CastJob::accept(const v1::CastRaysRequest& request) {
   return {};
 }
 
-/// 0: no bound.
+/// Begins the time budget of a batch. 0: no bound.
 void CastJob::begin_budget(std::uint32_t milliseconds) {
   alarm_ = {};
   stopped_.store(false);
@@ -120,7 +120,7 @@ bool CastJob::answer_at_once(v1::CastRaysResponse& reply) {
   return true;
 }
 
-/// The whole batch, and whether a ray met a cell that is not built.
+/// Traces the whole batch, and sets whether a ray met a cell that is not built.
 Result<scenegraph::TraceStats> CastJob::trace_immediate(const scenegraph::TraceOptions& options,
                                                         v1::CastRaysResponse& reply,
                                                         bool& met_deferred) {
@@ -235,7 +235,7 @@ void CastJob::describe(v1::CastRaysResponse& reply) {
   total_queued_ += queued_;
 }
 
-/// On a worker: the query may be the first to need the revision's instances.
+/// Runs on a worker: the query may be the first to need the revision's instances.
 Status CastJob::begin() {
   if (query_.selects() && !selection_) {
     auto of_query = shard_of(query_, services_, snapshot_);
@@ -296,7 +296,7 @@ Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
   return {};
 }
 
-/// Closest or any hits of the next rays, written to `hits`, and the columns that follow from them.
+/// Writes closest or any hits of the next rays to `hits`, and the columns that follow from them.
 Result<scenegraph::TraceStats> CastJob::trace_hits(const accel::geometry::RayColumns& rays,
                                                    accel::geometry::HitColumns& hits,
                                                    const scenegraph::TraceOptions& options,

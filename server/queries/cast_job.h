@@ -45,7 +45,7 @@ static_assert(kRaysPerSlice % kRaysPerBitsByte == 0);
 /// slices and batches use the same memory.
 class CastJob {
  public:
-  /// `context`: of the call, which outlives this.
+  /// `context`: the call's, which outlives this.
   CastJob(const scenes::Services& services, grpc::CallbackServerContext& context, Replies replies)
       : services_(services),
         context_(context),
@@ -59,20 +59,20 @@ class CastJob {
   const std::shared_ptr<scenes::StoredScene>& scene() const { return scene_; }
   const exec::Caller& caller() const { return caller_; }
 
-  /// After open(): sets the revision that answers every batch.
+  /// Sets the revision that answers every batch. Call it after open().
   void pin(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot);
 
   /// Admits the rays of the request, which must not change until the batch's last reply is made.
   /// Errors: as BatchRays::begin and CastAdmission::admit.
   Status accept(const v1::CastRaysRequest& request);
 
-  /// After accept(): makes the next reply on workers for casts of this size, after a full build on
-  /// background workers if the query asks for one. Then calls done(Status) there. An immediate cast
-  /// is answered, and done() called, before this returns. If the reply says
-  /// that there is more, the batch stays admitted, and enqueue() must be called again for the next
-  /// one. `reply` must not change meanwhile. Where this server has peers for shards, they trace,
-  /// and done() may be called on a thread of gRPC. Errors: kCancelled; kNotFound, naming a node of
-  /// the query that does not exist; kFailedPrecondition, a shard of another cut; as
+  /// Call it after accept(). Makes the next reply on workers for casts of this size, after a full
+  /// build on background workers if the query asks for one. Then calls done(Status) there. An
+  /// immediate cast is answered, and done() called, before this returns. If the reply says that
+  /// there is more, the batch stays admitted, and enqueue() must be called again for the next one.
+  /// `reply` must not change meanwhile. Where this server has peers for shards, they trace, and
+  /// done() may be called on a thread of gRPC. Errors: kCancelled; kNotFound, naming a node of the
+  /// query that does not exist; kFailedPrecondition, a shard of another cut; as
   /// shards::ShardedCast::take.
   using Done = std::function<void(const Status&)>;
   void enqueue(v1::CastRaysResponse& reply, const Done& done);
@@ -88,21 +88,21 @@ class CastJob {
   std::shared_ptr<const scenegraph::revision::Snapshot> let_go();
   /// Releases the revision. The last release frees its trees, which may take long.
   void close() { let_go(); }
-  /// Between two batches: frees what a large one has needed.
+  /// Frees what a large batch has needed. Call it between two batches.
   void rest();
 
   /// Whether the last batch has taken `limit` or more since it arrived. 0: never.
   bool is_slow(std::chrono::milliseconds limit) const {
     return limit.count() > 0 && batch_time_ >= limit;
   }
-  /// For the log: the scene, the caller, and what the last batch was and built.
+  /// What the log says of the last batch: the scene, the caller, what it was and built.
   std::string slow_description() const;
-  /// For the log: the scene, the caller, and totals of all batches.
+  /// What the log says of all batches: the scene, the caller, and totals.
   std::string description() const;
 
  private:
   using Clock = std::chrono::steady_clock;
-  /// Of one reply.
+  /// How far one reply has come.
   enum class Progress : std::uint8_t { kMore, kDone };
 
   bool is_sharded() const { return sharded_ != nullptr; }
@@ -148,29 +148,29 @@ class CastJob {
   scenes::RevisionToken revision_;
   BatchRays batch_;
   std::size_t answered_ = 0;                // rays of the batch
-  std::vector<accel::geometry::Ray> rays_;  // of the batch, for all hits
+  std::vector<accel::geometry::Ray> rays_;  // the batch's, for all hits
   std::vector<double> made_;                // the generated rays of the slice
   std::optional<scenegraph::query::Selection> selection_;
-  std::vector<scenegraph::RayTally> tallies_;  // of the slice
+  std::vector<scenegraph::RayTally> tallies_;  // the slice's
   HitPager pager_;
   std::unique_ptr<shards::ShardedCast> sharded_;            // null: this server traces
-  std::shared_ptr<const scenegraph::query::ShardCut> cut_;  // of the revision, for `sharded_`
+  std::shared_ptr<const scenegraph::query::ShardCut> cut_;  // the revision's, for `sharded_`
   bool peers_asked_ = false;                                // `sharded_` has answers to take
   Clock::time_point sharded_since_;                         // the batch
-  DerivedColumns derived_;                                  // of the batch, unless it lists hits
-  scenegraph::TraceStats build_stats_;                      // of a full build for the batch
-  scenegraph::TraceStats stats_;                            // of the batch
+  DerivedColumns derived_;                                  // the batch's, unless it lists hits
+  scenegraph::TraceStats build_stats_;                      // a full build for the batch
+  scenegraph::TraceStats stats_;                            // the batch's
   CastAdmission admission_;
   Clock::time_point arrived_, waiting_since_;
-  Clock::duration queued_{}, traced_{}, batch_time_{};  // of the batch
+  Clock::duration queued_{}, traced_{}, batch_time_{};  // the batch's
   bool begun_ = false;                                  // the batch has had a slice
   std::atomic<bool> cancelled_{false};
-  bool has_budget_ = false;                        // of time, the batch
+  bool has_budget_ = false;                        // the batch has a time budget
   Clock::time_point budget_ends_;                  // if it has one
   std::atomic<bool> stopped_{false};               // the batch: cancelled, or out of time
-  exec::Deadlines::Alarm alarm_;                   // of the batch; sets stopped_
-  std::vector<accel::geometry::HitState> states_;  // of the slice, if the reply has no such column
-  // Of all batches.
+  exec::Deadlines::Alarm alarm_;                   // the batch's; sets stopped_
+  std::vector<accel::geometry::HitState> states_;  // the slice's, if the reply has no such column
+  // The statistics of all batches.
   scenegraph::TraceStats total_stats_;
   Clock::duration total_queued_{};
 };

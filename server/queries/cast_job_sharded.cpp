@@ -25,8 +25,7 @@ void CastJob::open_sharded(const v1::CastRaysRequest& request) {
                                  .allow_partial = query_.allow_partial});
 }
 
-/// `rows`: of listed hits.
-/// Begins a reply, or goes on with it when the peers have answered.
+/// Begins a reply, or continues it when the peers have answered.
 void CastJob::push_sharded(v1::CastRaysResponse& reply, const Done& done) {
   push([this, &reply, done] {
     bool asked = false;
@@ -41,7 +40,8 @@ void CastJob::push_sharded(v1::CastRaysResponse& reply, const Done& done) {
   });
 }
 
-/// `asked`: peers were asked, and go on when they have answered; then this may be gone.
+/// Sets `asked` if peers were asked: the reply continues when they have answered, and this may be
+/// gone.
 Status CastJob::run_sharded(v1::CastRaysResponse& reply, const Done& done, bool& asked) {
   queued_ += Clock::now() - waiting_since_;
   if (cancelled_.load(std::memory_order_relaxed))

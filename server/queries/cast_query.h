@@ -19,7 +19,7 @@ inline constexpr std::uint32_t kDefaultMaxHits = 256;
 inline constexpr std::uint32_t kMaxMaxHits = 16384;
 inline constexpr int kMaxExclusions = 4096;
 
-/// A range of the scene, as the message Shard.
+/// A range of the scene: the message Shard, decoded.
 struct ShardOf {
   std::uint32_t index = 0, count = 0;
   std::uint64_t cut = 0;  ///< 0: not checked.
@@ -44,10 +44,10 @@ struct CastQuery {
   bool selects() const { return root != 0 || !excluded.empty() || shard; }
 };
 
-/// Checks and decodes the query. `policy` is used for an unspecified build mode.
-/// Errors: kInvalidArgument (an unknown kind, field, build mode or culling; a repeated field; a
-/// field or limit that the kind does not have; kMaxMaxHits or kMaxExclusions exceeded; a shard that
-/// is none of as many as are said).
+/// Checks and decodes the query. `policy` is used for an unspecified build mode. Errors:
+/// kInvalidArgument (an unknown kind, field, build mode or culling; a repeated field; a field or
+/// limit that the kind does not have; kMaxMaxHits or kMaxExclusions exceeded; a shard whose index
+/// is not below its count).
 Result<CastQuery> decode_query(const v1::CastRaysRequest& request, scenegraph::Growth policy);
 
 }  // namespace sightline::server::queries

@@ -107,7 +107,7 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
   std::unique_ptr<exec::UnreadReplies::Held> held_;
 };
 
-/// What a stream waits for, with nothing in work.
+/// What a stream waits for while nothing is in work.
 enum class Wait : std::uint8_t { kNone, kForRequest, kForWrite };
 
 /// Reads a batch, traces it, writes its replies, and only then reads again. At most one operation
@@ -215,8 +215,8 @@ class CastStream final
               "STREAM_IDLE"});
   }
 
-  /// The memory of the revision is needed elsewhere: gives it away if nothing is in work. While the
-  /// last reply to a batch is written, the call ends later.
+  /// Gives the revision away, if nothing is in work: its memory is needed elsewhere. While the last
+  /// reply to a batch is written, the call ends later.
   scenes::RevisionPins::SnapshotPointer let_go(const Error& error) {
     Wait waited = Wait::kNone;
     {

@@ -20,7 +20,7 @@
 
 namespace sightline::server::queries {
 
-/// Of the names in one reply, on the wire.
+/// The most bytes of names in one reply, on the wire.
 inline constexpr std::size_t kMaxNameBytes = std::size_t{2} << 20;
 
 /// Most bytes that positions and names add to a reply of `rows` rows.
@@ -42,7 +42,7 @@ class DerivedColumns {
                std::size_t first);
 
   /// Writes a row for each listed hit: those of each ray after those of the ray before. Errors: as
-  /// above.
+  /// write().
   Status write_lists(std::span<const accel::geometry::Ray> rays,
                      std::span<const scenegraph::RayTally> tallies,
                      std::span<const accel::geometry::Hit> hits);

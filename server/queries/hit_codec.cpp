@@ -54,7 +54,7 @@ std::size_t column_bytes(v1::HitField field, std::size_t rays, std::size_t hits)
   }
 }
 
-/// One column: `element(row)` for every row, each copied as its bytes to row `first` and the next.
+/// Writes one column: the bytes of `element(row)` for every row, from row `first` on.
 template <class Row, class Element>
 void write_rows(std::span<const Row> rows, std::size_t first, std::string& data, Element element) {
   using Value = decltype(element(rows[0]));
@@ -67,7 +67,7 @@ void write_rows(std::span<const Row> rows, std::size_t first, std::string& data,
   }
 }
 
-/// A column with a row for each listed hit.
+/// Writes a column with a row for each listed hit.
 void write_hits(std::span<const Hit> hits, v1::HitField field, std::string& data) {
   switch (field) {
     case v1::HIT_FIELD_T:
@@ -85,7 +85,7 @@ void write_hits(std::span<const Hit> hits, v1::HitField field, std::string& data
   }
 }
 
-/// False: not a field of tallies.
+/// Writes a column of tallies. False: the field is not of tallies.
 bool write_tallies(std::span<const RayTally> tallies, std::size_t first, v1::HitField field,
                    std::string& data) {
   switch (field) {

@@ -22,7 +22,7 @@ struct ListSize {
   std::size_t of_block = 0;
 };
 inline constexpr ListSize kFullList{65536, 16384};
-/// While it is not known whether a batch has many hits.
+/// The size of lists while it is not known whether a batch has many hits.
 inline constexpr ListSize kFirstList{4096, 1024};
 
 /// Most hits of one part of several, unless a single ray has more.
@@ -44,7 +44,7 @@ class HitPager {
              std::size_t part_hits);
   /// Whether a part was made and is not the last one: the batch has many hits.
   bool goes_on() const { return sent_ > 0; }
-  /// From the next list on.
+  /// Sets the size of lists from the next one on.
   void set_list_size(const ListSize& size) { size_ = size; }
 
   /// Makes the next part: columns, first_ray and more. A batch without rays has one empty part.
@@ -62,10 +62,10 @@ class HitPager {
   std::span<const accel::geometry::Ray> rays_;
   std::size_t sent_ = 0;       // rays in parts that are made
   std::size_t listed_ = 0;     // rays that are traced
-  std::size_t sent_hits_ = 0;  // of hits_
+  std::size_t sent_hits_ = 0;  // hits of hits_ in those parts
   std::size_t part_hits_ = kHitsPerPart;
   ListSize size_ = kFirstList;
-  std::vector<scenegraph::RayTally> tallies_;  // of all rays
+  std::vector<scenegraph::RayTally> tallies_;  // all rays
   std::vector<accel::geometry::Hit> hits_;     // from the last part made on, and some before
   DerivedColumns derived_;
   scenegraph::TraceStats stats_;

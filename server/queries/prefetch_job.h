@@ -30,7 +30,7 @@ inline constexpr std::size_t kRaysOfPart = 4096;
 /// is_sharded(), ask() takes the place of run(): once, and again after each time that it has asked.
 class PrefetchJob {
  public:
-  /// `context`: of the call, which outlives this.
+  /// `context`: the call's, which outlives this.
   PrefetchJob(const scenes::Services& services, const grpc::CallbackServerContext& context,
               exec::Caller caller)
       : services_(services),
@@ -99,9 +99,9 @@ class PrefetchJob {
   std::atomic<bool> known_{false};  // meshes_ is set
   std::atomic<bool> cancelled_{false};
   bool peers_asked_ = false;             // they have answers to take
-  v1::PrefetchRequest asked_for_trees_;  // of peers
+  v1::PrefetchRequest asked_for_trees_;  // what peers are asked
   shards::ShardedPrefetch trees_of_shards_;
-  std::unique_ptr<shards::ShardedCast> cast_;               // of the rays, if there are some
+  std::unique_ptr<shards::ShardedCast> cast_;               // casts the rays, if there are some
   std::shared_ptr<const scenegraph::query::ShardCut> cut_;  // for `cast_`
 };
 

@@ -44,7 +44,7 @@ Status PrefetchJob::ask_for_trees(std::function<void()> answered, bool& asked) {
   return {};
 }
 
-/// A cast of the rays, whose answer no one reads: it builds what it meets.
+/// Casts the rays to build what they meet; the answer is not read.
 Status PrefetchJob::ask_for_rays(const std::function<void()>& answered, bool& asked) {
   if (cut_ == nullptr)
     cut_ = services_.shard_cuts.find_or_make(snapshot_, services_.shard_peers.size());

@@ -88,7 +88,8 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
   }
 
   void finish(Status built) {
-    // Before the last report is written: a client that has read it may start the next prefetch.
+    // The call leaves before the last report is written: a client that has read it may start the
+    // next prefetch.
     calls_.leave(this);
     if (!built && calls_.stopped()) built = calls_.stopped_error();
     {
@@ -138,7 +139,7 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
       ended_ = true;
     }
     if (!built_) return end(built_);
-    // The message is small; this gives it an end.
+    // The message is small; holding it bounds the time to read it.
     if (auto held = unread_.hold(context_, job_.caller(), last_.ByteSizeLong())) {
       held_ = std::move(*held);
     } else {

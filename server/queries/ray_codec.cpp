@@ -38,7 +38,7 @@ Status check_optional_column(std::string_view name, const std::string& column, s
   return column.empty() ? Status() : check_column(name, column, rays, bytes_per_ray);
 }
 
-/// The number of rays that the request says, if it says one, is that of its bytes.
+/// Checks that the number of rays that the request says, if it says one, is that of its bytes.
 Status check_said_count(const v1::Rays& columns, std::size_t rays, std::size_t element) {
   if (columns.count() == 0 || columns.count() == rays) return {};
   return exec::invalid_argument(

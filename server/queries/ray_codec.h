@@ -20,7 +20,7 @@ inline constexpr std::size_t kMaxRaysPerRequest = 16384;
 /// one; kResourceExhausted over kMaxRaysPerRequest.
 Result<std::size_t> count_rays(const v1::Rays& columns);
 
-/// As an error of count_rays() if there are more than kMaxRaysPerRequest rays.
+/// Errors: kResourceExhausted over kMaxRaysPerRequest, as count_rays().
 Status check_count(std::size_t rays);
 
 /// A view of `count` rays from `first` on. count_rays() has accepted the columns, which must

@@ -109,7 +109,7 @@ class ReplacedBytes {
     mesh_bytes_ += node.mesh->view().vertices.size_bytes() + node.mesh->tree_bytes();
   }
 
-  /// Each group once: chains are long.
+  /// Counts each group once: chains are long.
   void add_above(const Node& node) {
     for (NodeId at = node.parent; at != 0 && above_.insert(at).second;
          at = before_.find(at)->parent)

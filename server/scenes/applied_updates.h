@@ -22,9 +22,9 @@ inline constexpr std::uint64_t kMaxDeformedBytes = std::uint64_t{1} << 30;
 /// What a batch takes from the memory account.
 struct Needed {
   std::uint64_t meshes = 0;  ///< Bytes of the meshes that its patches make.
-  std::uint64_t read = 0;    ///< Of the meshes that its patches need and are not resident.
-  std::uint64_t nodes = 0;   ///< Of the nodes that it puts.
-  std::uint64_t log = 0;     ///< Of the updates; 0 if they only delete.
+  std::uint64_t read = 0;    ///< Bytes of meshes that its patches need and that are not resident.
+  std::uint64_t nodes = 0;   ///< Bytes of the nodes that it puts.
+  std::uint64_t log = 0;     ///< Bytes of the updates; 0 if they only delete.
 
   std::uint64_t bytes() const { return meshes + read + nodes + log; }
 };
@@ -39,8 +39,8 @@ Result<Needed> needed_by(const scenegraph::revision::Snapshot& before,
 /// their trees, but not the scene's trees. Cost: proportional to the change.
 struct Replaced {
   std::uint64_t bytes = 0;
-  std::uint64_t meshes = 0;  ///< Of these, bytes of patched meshes and their trees.
-  std::uint64_t names = 0;   ///< Of names and digests of nodes that are put again or deleted.
+  std::uint64_t meshes = 0;  ///< Bytes of these that are patched meshes and their trees.
+  std::uint64_t names = 0;   ///< Bytes of names and digests of nodes put again or deleted.
 };
 Replaced bytes_replaced(const scenegraph::revision::Snapshot& before,
                         const std::vector<scenegraph::model::Update>& updates);
@@ -60,7 +60,7 @@ std::uint64_t bytes_of_names(const std::vector<scenegraph::model::Update>& updat
 
 /// About the bytes of the instances that rays have opened, and of the tree over them.
 std::uint64_t bytes_of(const scenegraph::instances::SceneTree& tree);
-/// Of all these trees.
+/// About the bytes of all these trees.
 std::uint64_t bytes_of(const scenegraph::instances::SceneTrees& trees);
 
 }  // namespace sightline::server::scenes

@@ -11,7 +11,8 @@
 namespace sightline::server::scenes {
 namespace {
 
-/// Between two rounds, so that trees that do not fit are not built and evicted all the time.
+/// The pause between two rounds, so that trees that do not fit are not built and evicted all the
+/// time.
 constexpr std::chrono::milliseconds kPause{10};
 
 }  // namespace

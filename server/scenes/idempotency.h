@@ -43,7 +43,7 @@ class RequestAnswers {
   bool knows(std::string_view id) const { return find_entry(id) != nullptr; }
 
   struct Entry {
-    std::uint64_t digest = 0;  ///< Of the id.
+    std::uint64_t digest = 0;  ///< The id's.
     Record record;             ///< No bytes: nothing to keep.
     std::size_t nodes = 0;
   };
@@ -61,7 +61,7 @@ class RequestAnswers {
   History<Entry> entries_;  // weight: node ids
 };
 
-/// kInvalidArgument: the id stands for another request, which made this revision.
+/// The error (kInvalidArgument) of an id that stands for another request, which made this revision.
 Error request_id_reused(const std::string& id, std::uint64_t revision);
 
 /// Errors: kInvalidArgument beyond kMaxRequestId.

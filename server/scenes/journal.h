@@ -27,22 +27,23 @@ enum class Durability : std::uint8_t {
 /// A numbered batch of a producer.
 struct ProducerBatch {
   std::uint64_t sequence = 0;
-  std::vector<scenegraph::model::NodeId> nodes;  ///< That it put, in order.
+  std::vector<scenegraph::model::NodeId> nodes;  ///< The nodes that it put, in order.
 };
 
 /// What is kept of a write.
 struct JournalEntry {
   std::uint64_t expected = 0;  ///< The newest revision before it.
-  /// As Journal::encode() made them; they make the next revision. Nothing: a rejected batch.
+  /// The result of Journal::encode(); these updates make the next revision. Nothing: a rejected
+  /// batch.
   std::optional<std::string> updates;
-  std::vector<std::string> mesh_digests;          ///< Of the meshes that the updates put.
-  std::vector<scenegraph::model::NodeId> nodes;   ///< That the updates put, in order.
+  std::vector<std::string> mesh_digests;          ///< Digests of the meshes that the updates put.
+  std::vector<scenegraph::model::NodeId> nodes;   ///< The nodes that the updates put, in order.
   std::string request_id;                         ///< Empty: none.
   std::uint64_t content = 0;                      ///< Digest of the request.
   std::string producer;                           ///< Empty: none.
-  std::vector<ProducerBatch> batches;             ///< Of the producer, that are part of the write.
-  std::shared_ptr<store::Fate> fate = {};         ///< As store::Batch::fate.
-  std::shared_ptr<const store::Fate> after = {};  ///< As store::Batch::after.
+  std::vector<ProducerBatch> batches;             ///< The producer's batches in the write.
+  std::shared_ptr<store::Fate> fate = {};         ///< See store::Batch::fate.
+  std::shared_ptr<const store::Fate> after = {};  ///< See store::Batch::after.
 };
 
 /// The answer to a request with a request id.
@@ -115,9 +116,9 @@ struct KeptScene {
   std::uint64_t incarnation = new_incarnation();
   /// The newest revision of the journal, which load() must read first. Nothing: it holds none.
   std::optional<std::uint64_t> unread = {};
-  /// By which the keeper knows the scene. Later scenes have greater ones.
+  /// The keeper's number of the scene. Later scenes have greater ones.
   store::SceneId number = 0;
-  /// If other servers write to the journal, too; else null.
+  /// Set if other servers write to the journal, too; else null.
   std::shared_ptr<Replica> replica = nullptr;
   /// What its nodes took when they were read the last time, as far as that went. 0: not known.
   std::uint64_t node_bytes = 0;
@@ -144,7 +145,7 @@ class SceneKeeper {
   virtual Result<std::vector<Found>> find_all() = 0;
   /// The scene of this name. Nothing: there is none.
   virtual Result<std::optional<Found>> find(const std::string& name) = 0;
-  /// If other servers keep scenes in the same place; else null.
+  /// The replica if other servers keep scenes in the same place; else null.
   virtual Replica* replica() = 0;
 };
 

@@ -15,7 +15,7 @@ inline constexpr std::size_t kMaxId = 63;  ///< Bytes of a project or scene id.
 /// Errors: kInvalidArgument, naming the part that is wrong and what it should match.
 Status check_scene_name(std::string_view name);
 
-/// As check_scene_name(), for projects/{project}.
+/// Checks a name projects/{project}. Errors: as check_scene_name().
 Status check_project_name(std::string_view name);
 
 /// The project part, "projects/{project}", of a checked scene name.

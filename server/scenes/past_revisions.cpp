@@ -11,8 +11,8 @@
 namespace sightline::server::scenes {
 namespace {
 
-/// Charges are compared with what is held where they have grown by this and have doubled: the cost
-/// then is a small part of that of the updates.
+/// Charges are compared with what is held when they have doubled and grown by this: that costs a
+/// small part of what the updates cost.
 constexpr std::uint64_t kGrowth = std::uint64_t{64} << 10;
 
 }  // namespace

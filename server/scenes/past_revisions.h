@@ -10,8 +10,8 @@
 
 namespace sightline::server::scenes {
 
-/// Counts what each of them holds alone until its last reader has gone. What a revision shares with
-/// an older one is paid by that one when the later one is gone. Threads: any, for every member.
+/// Counts what each such revision holds alone, until its last reader has gone. What it shares with
+/// an older one counts for that one when the later one is gone. Threads: any, for every member.
 class PastRevisions {
  public:
   using Charge = exec::MemoryAccount::Charge;
@@ -23,8 +23,8 @@ class PastRevisions {
   PastRevisions(const PastRevisions&) = delete;
   PastRevisions& operator=(const PastRevisions&) = delete;
 
-  /// A revision after those before. `charge`, of Held::kRevisions: for what it does not share with
-  /// the next one.
+  /// Adds a revision, in order. `charge`, of Held::kRevisions: for what it does not share with the
+  /// next one.
   void add(const scenegraph::revision::Snapshot& revision, Charge charge) noexcept;
   /// Gives back what has no reader any more. `next`: the oldest revision that the scene keeps.
   /// Where charges have grown much they are set to what is held. Cost: what is freed, and from time
@@ -33,7 +33,7 @@ class PastRevisions {
 
   /// What the revision holds alone; 0 if it is none of these.
   std::uint64_t bytes(std::uint64_t revision) const;
-  std::uint64_t bytes() const;  ///< Of all.
+  std::uint64_t bytes() const;  ///< What all hold alone.
 
  private:
   using Nodes = scenegraph::hierarchy::NodeMap;

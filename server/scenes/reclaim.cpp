@@ -22,7 +22,7 @@ void Reclaimer::measure() {
   measure_alone();
 }
 
-/// With the mutex held: while this looks at scenes, none could be unloaded.
+/// The caller holds the mutex: while this looks at scenes, none could be unloaded.
 void Reclaimer::measure_alone() {
   pins_.end_over_shares();
   std::uint64_t bytes = pins_.tree_bytes();

@@ -42,9 +42,9 @@ class Reclaimer {
   /// the trees of scenes, those first at which rays were cast longest ago; fresh meshes; scenes
   /// that no call uses and that can be read again, with their meshes; pins of old revisions that
   /// rest (RevisionPins::end_one()); uploads without progress. `for_large`: small scenes at which
-  /// rays were cast within kInUse stay, and what was in vain is not tried
-  /// again for kPauses times as long as it took, for it walks all scenes; at most kLongestPause.
-  /// May take long; a second thread waits for the first.
+  /// rays were cast within kInUse stay, and after a call that frees too little such calls do
+  /// nothing for kPauses times as long as it took, at most kLongestPause: it walks all scenes. May
+  /// take long; a second thread waits for the first.
   void reclaim(std::uint64_t bytes, bool for_large = false);
 
   /// Evicts pieces of trees until these are at their low water mark. Returns the bytes evicted.

@@ -42,7 +42,7 @@ class RecordChunks {
 
   exec::MemoryAccount& memory_;
   std::shared_ptr<Chunk> newest_;
-  std::size_t used_ = 0;  // of the newest
+  std::size_t used_ = 0;  // bytes of the newest chunk
 };
 
 }  // namespace sightline::server::scenes

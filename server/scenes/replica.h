@@ -32,10 +32,10 @@ class Replica {
 
   /// What has happened so far.
   struct Tallies {
-    std::atomic<std::uint64_t> revisions_followed{0};  ///< Of other servers, that were applied.
-    std::atomic<std::uint64_t> scenes_reloaded{0};     ///< As the log did not go back far enough.
-    std::atomic<std::uint64_t> writes_repeated{0};     ///< As others had committed first.
-    std::atomic<std::uint64_t> writes_failed{0};       ///< After kMaxTries.
+    std::atomic<std::uint64_t> revisions_followed{0};  ///< Revisions of other servers, applied.
+    std::atomic<std::uint64_t> scenes_reloaded{0};  ///< Because the log did not go back far enough.
+    std::atomic<std::uint64_t> writes_repeated{0};  ///< Because others had committed first.
+    std::atomic<std::uint64_t> writes_failed{0};    ///< After kMaxTries.
   };
   Tallies tallies;
 

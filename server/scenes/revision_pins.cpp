@@ -25,7 +25,7 @@ bool is_kept(const StoredScene& scene, const scenegraph::revision::Snapshot& rev
   return kept && kept->get() == &revision;
 }
 
-/// A revision whose scene is gone is held by its readers alone.
+/// The bytes that the pin pays for. A revision whose scene is gone is held by its readers alone.
 std::uint64_t paid_for(const RevisionPins::Pin& pin) {
   const auto revision = pin.revision.lock();
   if (revision == nullptr) return 0;
@@ -53,7 +53,7 @@ void RevisionPins::leave(const void* call) {
   pins_.erase(call);
 }
 
-/// With the mutex held.
+/// The caller holds the mutex.
 RevisionPins::Bill RevisionPins::bill() const {
   Bill bill;
   std::set<std::pair<std::string, const void*>> paid;
@@ -69,7 +69,7 @@ RevisionPins::Bill RevisionPins::bill() const {
   return bill;
 }
 
-/// With the mutex held. `let_go`: to be released without it, as that may take long.
+/// The caller holds the mutex. It releases `let_go` without it, as that may take long.
 bool RevisionPins::end_oldest(const Bill& bill, const std::function<bool(const Paid&)>& may_go,
                               const std::string& why, SnapshotPointer& let_go) {
   std::vector<Paid> resting;
@@ -126,7 +126,7 @@ bool RevisionPins::end_one() {
       "the memory budget of {} bytes is used up, and streams of rays that rest keep old "
       "revisions of {}",
       budget_, now.all);
-  // Those of whom all is in work are passed over.
+  // Principals all of whose pins are in work are skipped.
   auto principals = now.by_principal;
   while (!principals.empty()) {
     const auto most = std::ranges::max_element(

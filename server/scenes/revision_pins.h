@@ -38,7 +38,7 @@ class RevisionPins {
     std::function<SnapshotPointer(const Error&)> let_go;
   };
 
-  /// `budget`: of memory, bytes.
+  /// `budget`: bytes of memory.
   explicit RevisionPins(std::uint64_t budget);
 
   /// `call` has a revision until leave().

@@ -13,8 +13,8 @@
 namespace sightline::server::scenes {
 namespace {
 
-/// Writes that wait when the question is asked may have been committed before it; those that wait
-/// after them were not.
+/// Rounds of waiting for writes of this server. Those of the first round may have been committed
+/// before the call, those of the second were not.
 constexpr int kRounds = 2;
 
 }  // namespace
@@ -72,7 +72,7 @@ Status SceneFollower::read_on() {
   return scene_.read_again();
 }
 
-/// Says once that a scene cannot be followed: it is tried again and again.
+/// Logs once that a scene cannot be followed, however often that is tried, and once that it can.
 void SceneFollower::log(const Status& read) {
   if (read.ok() == !failed_) return;
   failed_ = !read.ok();

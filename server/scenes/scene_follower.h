@@ -22,7 +22,7 @@ namespace sightline::server::scenes {
 
 class StoredScene;
 
-/// How often a write is tried that other servers forestall, before it is given up.
+/// How often a write that other servers forestall is tried before it fails.
 inline constexpr int kMaxTries = 32;
 
 /// How far a scene is behind what is known to be committed.
@@ -31,8 +31,8 @@ struct Lag {
   std::chrono::steady_clock::duration time{0};
 };
 
-/// Part of a scene. What others have committed is read while no write of this server waits: else
-/// the commit of that write tells whether there is anything.
+/// A part of a scene, which reads what others have committed while no write of this server waits.
+/// The commit of a waiting write shows whether there is anything to read.
 class SceneFollower {
  public:
   using Clock = std::chrono::steady_clock;
@@ -67,10 +67,11 @@ class SceneFollower {
   void when_caught_up(exec::Compute& compute, Then then);
   /// Reads what is kept of a request, so that StoredScene::find_earlier() knows it.
   Status look_up(const std::string& request_id);
-  /// As when_caught_up(), and reads the progress of a producer, of which no write may wait.
+  /// Reads the progress of a producer, which has no waiting write, when all that was committed
+  /// before the call is published. Then calls then(). Errors: as catch_up().
   void look_up(Producer& producer, exec::Compute& compute, Then then);
-  /// Whether these batches of a producer are kept; then with the ids of the nodes that the last of
-  /// them put. Errors: kUnavailable also if some of them are.
+  /// If these batches of a producer are kept, the ids of the nodes that the last of them put;
+  /// nothing if none is kept. Errors: kUnavailable also if only some are.
   Result<std::optional<std::vector<scenegraph::model::NodeId>>> find_kept(
       const std::string& producer, std::uint64_t first_sequence, std::uint64_t batches);
 

@@ -54,7 +54,7 @@ Status StoredScene::write_again(const JournalEntry& entry, const scenegraph::App
   return {};
 }
 
-/// Whether the write is kept, since another server has got it, too; then it is answered.
+/// Whether the write is kept because another server has got it, too. If so, answers it.
 Result<bool> StoredScene::find_repeat(const SceneWrite& write, const WriteLine::Answer& answer) {
   if (!write.request_id.empty()) {
     if (const Status read = follower_->look_up(write.request_id); !read) return read.error();

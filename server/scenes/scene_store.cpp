@@ -88,7 +88,7 @@ Result<std::shared_ptr<StoredScene>> SceneStore::put(const std::shared_ptr<Store
   return scene;
 }
 
-/// In place of the scene of its name, if there is one.
+/// Puts the scene in place of the one of its name, if there is one.
 void SceneStore::publish(const std::shared_ptr<StoredScene>& scene) {
   std::shared_ptr<StoredScene> before = scene;
   {
@@ -107,7 +107,7 @@ Result<std::shared_ptr<StoredScene>> SceneStore::find(const std::string& name) c
 
 Result<std::shared_ptr<StoredScene>> SceneStore::get(const std::string& name) {
   auto scene = find(name);
-  // One that is not loaded was not followed: another server may have made another in its place.
+  // A scene that is not loaded was not followed: another server may have made another in its place.
   if (!scene || (*scene)->removed() || !(*scene)->loaded()) {
     if (const Status known = look_up(name); !known) return known.error();
     scene = find(name);

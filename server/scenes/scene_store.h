@@ -69,7 +69,7 @@ class SceneStore {
   /// kNotFound, as Journal::remove.
   Status remove(const std::string& name);
 
-  // Where other servers keep scenes in the same place; elsewhere these do nothing.
+  // These members are for a store that other servers use, too; elsewhere they do nothing.
 
   /// Asks which scene has this name now. Waits for the store. Errors: kUnavailable, where the store
   /// is away; as SceneKeeper::find.
@@ -82,16 +82,16 @@ class SceneStore {
   /// All scenes, by number.
   std::map<store::SceneId, std::shared_ptr<StoredScene>> by_number() const;
 
-  /// Puts one that is not loaded in the place of the scene cast at longest ago, of those that are
-  /// kept, that no call uses, and for which not stays(): the next call reads it again, as after a
-  /// restart. Returns whether there was one.
+  /// Unloads the scene at which rays were cast longest ago, of those that are kept, that no call
+  /// uses and for which stays() is false. The next call reads it again, as after a restart. Returns
+  /// whether there was one.
   bool unload_one(const std::function<bool(const StoredScene&)>& stays = {});
   /// How many scenes unload_one() has unloaded.
   std::uint64_t unloaded() const { return unloaded_.load(); }
 
-  /// StoredScene::retry_writes() of all scenes.
+  /// Calls StoredScene::retry_writes() of all scenes.
   void retry_writes() const;
-  /// StoredScene::flush() of all scenes.
+  /// Calls StoredScene::flush() of all scenes.
   void flush(StoredScene::Clock::time_point until) const;
 
   /// All scenes, those first at which rays were cast longest ago.

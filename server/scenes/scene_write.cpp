@@ -32,11 +32,11 @@ std::vector<std::string> mesh_digests(const std::vector<scenegraph::model::Updat
 struct StoredScene::Publication {
   bool revises = true;  ///< Makes a revision.
   bool merge_trees = false;
-  exec::MemoryAccount::Charge held;  ///< Until it is counted as what it has become.
+  exec::MemoryAccount::Charge held;  ///< Held until the revision counts its bytes.
   Replaced replaced;
   std::uint64_t names = 0;
   std::vector<scenegraph::model::Update> updates;
-  Record record;  // of the updates
+  Record record;  // the updates
   RequestAnswers::Entry answer;
   Producer* producer = nullptr;
   std::vector<Producer::Put> puts;
@@ -61,7 +61,7 @@ Result<scenegraph::Applied> StoredScene::replay(std::vector<scenegraph::model::U
   return apply_at_head(updates, {}, {}, nullptr);
 }
 
-/// Without a line, the revision is published at once.
+/// Applies a batch. Without a line, the revision is published at once.
 Result<scenegraph::Applied> StoredScene::apply_at_head(
     std::vector<scenegraph::model::Update>& updates, const scenegraph::ApplyOptions& options,
     const SceneWrite& write, WriteLine* line) {
@@ -69,7 +69,7 @@ Result<scenegraph::Applied> StoredScene::apply_at_head(
   const auto needed = needed_by(*before, updates);
   if (!needed) return needed.error();
   const Replaced replaced = bytes_replaced(*before, updates);
-  // While there are readers of it, both revisions are held.
+  // While the old revision has readers, both are held.
   const std::uint64_t kept = replaced.bytes - replaced.meshes;
   auto publication = std::make_shared<Publication>();
   publication->replaced = replaced;
@@ -115,7 +115,7 @@ Status StoredScene::record_rejected(exec::Compute& compute, const SceneWrite& wr
 void StoredScene::reject_at_head(const SceneWrite& write) {
   auto publication = std::make_shared<Publication>();
   publication->revises = false;
-  scenegraph::Applied next;  // as if it made the next revision
+  scenegraph::Applied next;  // prepared like a batch that makes the next revision
   next.revision = scene_.head()->revision() + 1;
   prepare_producer(*publication, write, next);
   WriteLine* const line = line_ ? &*line_ : nullptr;
@@ -233,7 +233,7 @@ void StoredScene::publish(Publication& publication) noexcept {
     journal_->published(scene_.state(), recent_.oldest_or(scene_.snapshot()->revision()));
 }
 
-/// After the journal has told what became of writes.
+/// Settles the line soon. Called after the journal has reported the outcome of a write.
 void StoredScene::settle_soon() noexcept {
   if (settling_.exchange(true)) return;
   exec::Compute& compute = *compute_.load(std::memory_order_acquire);
@@ -276,7 +276,7 @@ Result<bool> StoredScene::find_earlier(const std::string& request_id, std::uint6
   if (waiting->content != content) return request_id_reused(request_id, waiting->expected + 1);
   line_->join(*waiting, [this, request_id, content, answer](const Result<Durability>& kept) {
     if (!kept) return answer({}, kept);
-    // Not what it has made so far: it may have been made again since.
+    // The answer is looked up now: the write may have been made again since.
     const auto made = answers_.find(request_id, content);
     assert(made && *made);
     answer(**made, kept);
@@ -310,7 +310,7 @@ void StoredScene::reserve_patched(const std::vector<scenegraph::model::Update>& 
   patched_.reserve(patched_.size() + patches);
 }
 
-/// The meshes that the newest revision has from these updates.
+/// Remembers the meshes that the newest revision has from these updates.
 void StoredScene::remember_patched(const std::vector<scenegraph::model::Update>& updates) {
   const auto snapshot = scene_.snapshot();
   const std::lock_guard lock(patched_mutex_);
@@ -336,7 +336,7 @@ void StoredScene::settle_later(Dropped dropped, bool settle) noexcept {
           const auto self = scene.lock();
           if (self == nullptr) return;
           self->free_dropped();
-          // What could not be refused any more when it was recorded.
+          // Makes room for what was recorded when it could not be refused any more.
           static_cast<void>(self->memory_.reclaim(
               exec::Held::kLogs, 0, bytes_of_scene(self->snapshot()->node_count(), 0)));
           if (settle) self->scene_.merge_trees();

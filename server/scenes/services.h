@@ -38,7 +38,7 @@ struct Services {
   /// A second, smaller bound for batches that ask for all hits. Such a batch counts until the
   /// client has read its replies. Slow clients therefore cannot use up all of `admission`.
   exec::Admission& all_hits_admission;
-  /// For small casts when `admission` is full.
+  /// A reserve for small casts when `admission` is full.
   exec::Admission& small_admission;
   /// A second, smaller bound for batches of updates that are not applied yet: producers that never
   /// end their batches cannot use up all of `admission`.
@@ -56,8 +56,8 @@ struct Services {
   exec::CallRegistry& scene_puts;
   const shards::Peers& shard_peers;  ///< None: this server answers alone.
   shards::ShardCuts& shard_cuts;
-  scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< For an unspecified build mode.
-  std::chrono::milliseconds slow_query{0};  ///< Slower ones are logged. 0: none.
+  scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< Used if none is specified.
+  std::chrono::milliseconds slow_query{0};  ///< Slower queries are logged. 0: none.
 
   exec::UnaryParts unary() const { return {compute, admission, unread, quotas}; }
 
@@ -67,8 +67,8 @@ struct Services {
     return scenes.get(scene);
   }
 
-  /// As find(), for a read. A token of another scene of this name may be of one that another server
-  /// has made in its place: then that is found.
+  /// Finds a scene for a read. If the token is not of this scene, asks the store whether another
+  /// server has put another one in its place. Errors: as find() and SceneStore::look_up().
   Result<std::shared_ptr<StoredScene>> find_for_read(const std::string& name,
                                                      const v1::Consistency& consistency) const {
     auto scene = find(name);
@@ -79,7 +79,7 @@ struct Services {
     return scenes.get(name);
   }
 
-  /// As find(), and loads it, which may take long. Errors: as StoredScene::load, too.
+  /// Finds and loads a scene, which may take long. Errors: as find() and StoredScene::load.
   Result<std::shared_ptr<StoredScene>> find_loaded(const std::string& name) const {
     auto scene = find(name);
     if (!scene) return scene;

@@ -122,8 +122,8 @@ void StoredScene::release_gone() {
   past_.release_gone(oldest != nullptr ? *oldest : *scene_.snapshot());
 }
 
-/// What readers have of revisions that are no longer kept still counts. The scene's trees of such
-/// a revision are counted with its readers.
+/// What readers have of revisions that are no longer kept still counts. The scene's trees of such a
+/// revision count with its readers.
 void StoredScene::forget(std::vector<RecentRevisions::Kept>& kept) noexcept {
   for (RecentRevisions::Kept& revision : kept) {
     revision.charge.resize(revision.charge.bytes() -

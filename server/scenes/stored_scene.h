@@ -36,10 +36,10 @@ inline constexpr std::size_t kMinLogged = 4;
 struct SceneWrite {
   std::string request_id = {};       ///< Empty: none.
   std::uint64_t content = 0;         ///< Digest of the request.
-  Producer* producer = nullptr;      ///< Of this scene. Null: none.
-  std::uint64_t first_sequence = 0;  ///< Of the producer's batches that make this one.
+  Producer* producer = nullptr;      ///< A producer of this scene. Null: none.
+  std::uint64_t first_sequence = 0;  ///< The first of the producer's batches in this one.
   std::uint64_t batches = 1;
-  /// Answer before it is committed. Not for scenes to which other servers write.
+  /// Answers the write before it is committed. Not for scenes to which other servers write.
   bool relaxed = false;
   /// Called once, on the write queue, after the batch is published or dropped; perhaps before the
   /// write returns. May be empty.
@@ -52,7 +52,7 @@ struct SceneWrite {
   std::function<void(const Error&)> rejected = {};
   /// The batch is kept, as another server has got it, too.
   std::function<void(const scenegraph::Applied& earlier)> repeated = {};
-  int tries = 0;  ///< So far.
+  int tries = 0;  ///< Tries so far.
 };
 
 /// A scene that clients can name. Must be made by std::make_shared. The members for writes may only
@@ -77,7 +77,8 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   bool failed() const { return failed_.load(std::memory_order_acquire); }
 
   const SceneInfo& info() const { return info_; }
-  /// Only while no write is being made: of a scene that is idle, or was not read.
+  /// How the scene is kept. Call it only while no write is being made: on a scene that is idle, or
+  /// was not read.
   KeptScene kept() const;
   store::SceneId number() const { return number_; }
   /// The newest revision that is known of a scene that is not loaded. Threads: any.
@@ -115,7 +116,7 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
                                     exec::Compute& compute,
                                     const scenegraph::ApplyOptions& options = {},
                                     const SceneWrite& write = {});
-  /// As apply(), but `updates` are taken only if they are applied.
+  /// Applies a batch as apply() does. `updates` are taken only if they are applied.
   Result<scenegraph::Applied> try_apply(std::vector<scenegraph::model::Update>& updates,
                                         exec::Compute& compute,
                                         const scenegraph::ApplyOptions& options,
@@ -137,7 +138,8 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   void when_committed(WriteLine::Committed then);
   Producers& producers() { return producers_; }
 
-  /// Whether all that the scene holds is in its journal. Only while no task and no call has it.
+  /// Whether all that the scene holds is in its journal. Call it only while no task and no call has
+  /// the scene.
   bool is_idle() const { return is_kept() && loaded() && !removed() && waiting() == 0; }
 
   /// Tries again to store writes that were acknowledged before, if there are any. Threads: any.
@@ -157,7 +159,7 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   /// The error of calls after remove().
   Error removed_error() const;
 
-  /// Rays are cast at the scene now.
+  /// Notes that rays are cast at the scene now.
   void touch() { last_cast_.store(Clock::now(), std::memory_order_relaxed); }
   /// When touch() was called last; at first, when the scene was made.
   Clock::time_point last_cast() const { return last_cast_.load(std::memory_order_relaxed); }
@@ -170,11 +172,11 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   void drop_old_revisions();
   /// Revisions that only readers have.
   const PastRevisions& past() const { return past_; }
-  /// Stops counting those of them that have no reader any more.
+  /// Stops counting the revisions that have no reader any more.
   void release_gone();
   /// Drops all updates from the log but those of the newest kMinLogged revisions.
   void drop_old_updates();
-  /// As Scene::drop_trees. Returns about the bytes of the old trees.
+  /// Calls Scene::drop_trees. Returns about the bytes of the old trees.
   std::uint64_t drop_trees();
 
  private:
@@ -238,8 +240,8 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   std::optional<WriteLine> line_;                 // with a journal; used on the write queue
   std::atomic<bool> settling_{false};             // a task is posted to settle the line
   std::atomic<exec::Compute*> compute_{nullptr};  // null before the first write or reading
-  std::uint64_t name_bytes_ = 0;                  // of the newest revision; used on the write queue
-  exec::MemoryAccount::Charge nodes_;             // of the newest revision; used on the write queue
+  std::uint64_t name_bytes_ = 0;                  // in the newest revision; used on the write queue
+  exec::MemoryAccount::Charge nodes_;             // in the newest revision; used on the write queue
   mutable std::mutex patched_mutex_;
   mutable PatchedMeshes patched_;  // meshes that updates have made, of any revision
   std::atomic<Clock::time_point> last_cast_{Clock::now()};

@@ -91,7 +91,7 @@ void WriteLine::add(Prepared prepared) noexcept {
   settle();
 }
 
-/// Appends the writes that are not, up to one that makes no revision.
+/// Appends the writes that are not appended, up to one that makes no revision.
 void WriteLine::append_some() noexcept {
   if (awaited_ != nullptr && outcome(*awaited_) != Outcome::kCommitted) return;
   awaited_ = nullptr;
@@ -157,7 +157,7 @@ void WriteLine::publish_relaxed() {
   }
 }
 
-/// The first write could not be committed, and so none that follows.
+/// Drops the writes that are not published: the first could not be committed, and so none after it.
 void WriteLine::fail() {
   const Error error = [this] {
     const std::lock_guard lock(mutex_);
@@ -181,7 +181,8 @@ void WriteLine::fail() {
   }
 }
 
-/// If one cannot be made again, those behind it, which may be of the same producer, are not either.
+/// Makes writes again. If one fails, those behind it, which may be of the same producer, are not
+/// made again either.
 void WriteLine::make_again(const Prepared& lost) {
   Status good = exec::to_status([this] { return parts_.catch_up(); });
   for (const auto& item : lost) {
@@ -207,7 +208,7 @@ void WriteLine::join(const JournalEntry& entry, Answer answer) {
   (*found)->join(std::move(answer));
 }
 
-// Both wait for every write: of those that are made again, a later one may be answered first.
+// These two wait for every write: of those that are made again, a later one may be answered first.
 
 void WriteLine::when_answered(std::function<void()> then) {
   const auto waits = [](const auto& item) { return !item->answered(); };

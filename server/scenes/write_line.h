@@ -16,17 +16,16 @@
 
 namespace sightline::server::scenes {
 
-/// A write is published, and then answered, once all before it are published and it is committed.
-/// A relaxed write need not be committed for that. When one cannot be committed, all that are not
-/// published are dropped and answered with the error. Those that are published stay and are
-/// appended again; until they are committed, relaxed writes wait for their commit, too. Used on the
-/// scene's write queue, except for note().
+/// A write is published, and then answered, once all before it are published and it is committed. A
+/// relaxed write need not be committed for that. When one cannot be committed, all that are not
+/// published are dropped and answered with the error. Published writes stay and are appended again;
+/// until they are committed, relaxed writes wait for their commit, too. Used on the scene's write
+/// queue, except for note().
 ///
-/// Where other servers write to the journal, a write that they have forestalled is made again on
-/// top of what they have committed.
+/// If another server commits first, a write is made again on top of what that server has committed.
 ///
-/// A write on top of a revision that could not be kept is refused by the journal. One behind a
-/// write that makes no revision would not be: it is appended when the commit of that one is known.
+/// The journal refuses a write on top of a revision that was not kept. It cannot tell whether a
+/// write that makes no revision was kept, so the next write is appended only when that is known.
 class WriteLine {
  public:
   using Answer = std::function<void(const Result<Durability>&)>;

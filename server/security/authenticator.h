@@ -58,7 +58,7 @@ class Authenticator {
   const std::filesystem::path token_file_;
   const bool client_certificates_;
   exec::CallContexts calls_;
-  std::string content_, complained_;  // of the file; of reload() alone
+  std::string content_, complained_;  // the file's; used by reload() alone
   mutable std::mutex mutex_;
   std::shared_ptr<const Tokens> tokens_;
   std::uint64_t refused_ = 0, refused_logged_ = 0;

@@ -36,7 +36,7 @@ Bio bio_of(const std::string& pem) {
   return Bio(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())));
 }
 
-/// A key with a password is none: OpenSSL would ask for it at the terminal.
+/// A key with a password is not accepted: OpenSSL would ask for it at the terminal.
 int no_password(char*, int, int, void*) { return -1; }
 
 Certificate first_certificate(const std::string& pem) {

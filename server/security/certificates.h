@@ -12,8 +12,8 @@ namespace sightline::server::security {
 /// PEM files. With no `certificate`: no TLS.
 struct CertificateFiles {
   std::filesystem::path certificate;  ///< The server's, then those of its issuers.
-  std::filesystem::path key;          ///< Of the first certificate.
-  std::filesystem::path client_ca;    ///< Of clients, each of which needs one then. May be empty.
+  std::filesystem::path key;          ///< The key of the first certificate.
+  std::filesystem::path client_ca;    ///< If set, clients need a certificate of this authority.
 
   bool empty() const { return certificate.empty(); }
   /// Whether they belong together. Errors: kInvalidArgument, reason CERTIFICATE_AND_KEY (one

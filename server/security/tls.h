@@ -20,24 +20,24 @@ class Tls {
   /// Errors: see Certificates::read().
   static Result<std::unique_ptr<Tls>> make(const CertificateFiles& files);
 
-  /// Reads the files again. Those that cannot be used, such as a key whose certificate is not there
+  /// Reads the files again. Files that cannot be used, such as a key whose certificate is not there
   /// yet, change nothing, and are logged once. Errors: as make().
   Status reload();
 
-  /// For one server, which must not accept connections after the end of this object.
+  /// Credentials for one server, which must not accept connections after the end of this object.
   std::shared_ptr<grpc::ServerCredentials> credentials();
 
-  std::chrono::sys_seconds expires() const;  ///< Of the server's certificate.
+  std::chrono::sys_seconds expires() const;  ///< When the server's certificate expires.
 
  private:
   friend class ReloadedCredentials;
   Tls(CertificateFiles files, Certificates certificates);
 
-  /// What is to be used from now on; false if that is what was used before.
+  /// Takes what is to be used from now on; false if that is what was used before.
   bool take_new(Certificates& certificates);
 
   const CertificateFiles files_;
-  std::string complained_;  // of reload() alone
+  std::string complained_;  // used by reload() alone
   mutable std::mutex mutex_;
   Certificates certificates_;
   bool is_new_ = true;

@@ -54,7 +54,7 @@ std::optional<exec::Role> parse_role(std::string_view text) {
   return {};
 }
 
-/// With a whole project, so that one project's prefix does not cover another project.
+/// The prefix with its whole project, so that it does not cover another project.
 std::string full_prefix(std::string_view text) {
   if (text.empty() || text == kProjects) return std::string(text);
   if (!text.starts_with(kProjects)) return fmt::format("projects/default/scenes/{}", text);

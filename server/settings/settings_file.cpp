@@ -87,7 +87,7 @@ class Reader {
     return {};
   }
 
-  /// As CLI11 cuts it.
+  /// The text of a value, cut as CLI11 does.
   static std::string value_text(const std::string& text) {
     return CLI::detail::trim_copy(text.substr(0, text.find('#')));
   }

@@ -35,7 +35,7 @@ struct SettingsFile {
   std::vector<Setting> settings;     ///< In the order of the file.
   std::vector<TableHeader> headers;  ///< In the order of the file, also of empty tables.
 
-  /// kInvalidArgument, with the file, the line and why.
+  /// An error (kInvalidArgument) with the file, the line and why.
   Error error(std::size_t line, const std::string& why) const;
 };
 

@@ -77,7 +77,8 @@ void Peer::ping() {
   }
 }
 
-/// With the mutex. Gives away the lines without an open ping, and the open pings of the others.
+/// Gives away the lines without an open ping, and the open pings of the others. The caller holds
+/// the mutex.
 std::vector<Peer::Context> Peer::retire_lines(std::vector<LinePointer>& ended) {
   std::vector<Context> open;
   for (LinePointer& line : retired_) {
@@ -123,7 +124,7 @@ void Peer::end_ping(Line& line, const grpc::Status& status) {
   hear();
 }
 
-/// With the mutex.
+/// Notes that the peer has answered. The caller holds the mutex.
 void Peer::hear() {
   unanswered_ = 0;
   failure_.clear();

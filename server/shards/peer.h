@@ -24,7 +24,7 @@ namespace sightline::server::shards {
 inline constexpr std::chrono::milliseconds kPingEvery{250};
 /// Pings in a row without an answer after which a peer is lost.
 inline constexpr std::uint32_t kPingsUntilLost = 8;
-/// One of as many pings of a lost peer goes over a new connection, too.
+/// One of this many pings of a lost peer goes over a new connection, too.
 inline constexpr std::uint32_t kPingsOfAttempt = 3;
 
 /// Pings are calls of the standard health service, which no thread that traces answers, and have a
@@ -46,18 +46,17 @@ class Peer {
 
   const std::string& address() const { return address_; }
 
-  /// To be called every kPingEvery. A peer that is lost is so from here on, and its open calls are
-  /// cancelled.
+  /// Call it every kPingEvery. It notices that the peer is lost, and cancels its open calls.
   void ping();
   /// Pings without an answer since the last answer. The newest of them may still be answered.
   std::uint32_t unanswered() const;
   bool is_lost() const;
 
-  /// For a call that begins now and ends soon with end(). Null: it is lost.
+  /// The stub for a call that begins now and must end with end(). Null: the peer is lost.
   std::shared_ptr<Stub> begin(const Context& context);
-  /// What the end of the call says: UNAVAILABLE if it was cancelled since the peer is lost.
+  /// What the end of the call says: UNAVAILABLE if it was cancelled because the peer is lost.
   grpc::Status end(const Context& context, grpc::Status status);
-  /// UNAVAILABLE, with the pings that it has not answered.
+  /// The status UNAVAILABLE, with the number of pings that it has not answered.
   grpc::Status lost_status() const;
 
  private:
@@ -65,7 +64,7 @@ class Peer {
   /// a ping ends, must not destroy the last channel of a process.
   struct Line {
     std::shared_ptr<grpc::Channel> channel;
-    Context context{};  // of the last ping
+    Context context{};  // the last ping's
     grpc::ByteBuffer request{}, reply{};
     bool open = false;  // it has no answer
   };
@@ -90,7 +89,7 @@ class Peer {
   std::condition_variable ping_ended_;
   bool lost_ = false;
   std::uint32_t unanswered_ = 0;
-  std::string failure_;  // of the last ping
+  std::string failure_;  // the last ping's
 };
 
 }  // namespace sightline::server::shards

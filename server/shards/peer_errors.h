@@ -14,13 +14,14 @@ namespace sightline::server::shards {
 /// Whether the peer is gone, or not at the revision.
 bool means_lost(const grpc::Status& ended);
 
-/// kUnavailable (SHARD_LOST): the peer `does_not` do what it is asked for.
+/// The error kUnavailable (SHARD_LOST): the peer `does_not` do what it is asked for.
 Error lost_shard(const Peers& peers, std::uint32_t shard, const std::string& does_not);
 
-/// What the peer said.
+/// The error that the peer said.
 Error error_of_peer(const Peers& peers, std::uint32_t shard, const grpc::Status& said);
 
-/// Of calls that end together the one with the lowest tells why: others were cancelled for it.
+/// The rank of how a call ended: 0 with an error, 1 cancelled, 2 OK. The call of the lowest rank
+/// shows why calls ended together: others were cancelled because of it.
 int rank_of(const grpc::Status& ended);
 
 }  // namespace sightline::server::shards

@@ -21,13 +21,13 @@ struct PeerSettings {
   bool tls = false;
   std::filesystem::path ca;           ///< PEM. Empty: the system's.
   std::filesystem::path certificate;  ///< PEM, shown to peers that ask for one.
-  std::filesystem::path key;          ///< Of the certificate.
+  std::filesystem::path key;          ///< The key of the certificate.
 };
 
 /// Threads: any, for every member but ping().
 class Peers {
  public:
-  /// None.
+  /// No peers.
   Peers() = default;
   /// Errors: as check(), and kFailedPrecondition, naming a file that cannot be read.
   static Result<Peers> make(const PeerSettings& settings);
@@ -41,11 +41,11 @@ class Peers {
   const std::string& address(std::uint32_t shard) const { return peers_[shard]->address(); }
   Peer& peer(std::uint32_t shard) const { return *peers_[shard]; }
 
-  /// Pings every peer. To be called every kPingEvery, by one thread at a time.
+  /// Pings every peer. Call it every kPingEvery, on one thread at a time.
   void ping() const;
 
-  /// A call to a peer on behalf of a call to this server: with its deadline, its end, its name and
-  /// its token.
+  /// The context of a call to a peer on behalf of a call to this server: with its deadline, its
+  /// end, its name and its token.
   static Peer::Context context_for(const grpc::CallbackServerContext& caller);
 
  private:

@@ -11,7 +11,7 @@ std::shared_ptr<ShardCuts::Entry> ShardCuts::entry_of(const SnapshotPointer& sna
   const std::lock_guard lock(mutex_);
   std::erase_if(entries_, [](const auto& entry) { return entry->snapshot.expired(); });
   const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const auto& entry) {
-    // Not lock(): that may release the last reference to a revision here.
+    // lock() is not used: it may release the last reference to a revision here.
     return !entry->snapshot.owner_before(snapshot) && !snapshot.owner_before(entry->snapshot);
   });
   if (found != entries_.end()) {

@@ -15,12 +15,13 @@ namespace sightline::server::shards {
 /// Cuts that are kept, of all scenes.
 inline constexpr std::size_t kCutsKept = 16;
 
-/// Threads: any. Those that want one cut at the same time wait for the first of them to make it.
+/// Threads: any. Threads that want one cut at the same time wait for the first to make it.
 class ShardCuts {
  public:
   using CutPointer = std::shared_ptr<const scenegraph::query::ShardCut>;
 
-  /// As scenegraph::query::ShardCut, made once. `shards`: the same for all. Throws std::bad_alloc.
+  /// The cut of a revision, which is made once. `shards`: the same in all calls. Throws
+  /// std::bad_alloc.
   CutPointer find_or_make(const std::shared_ptr<const scenegraph::revision::Snapshot>& snapshot,
                           std::uint32_t shards);
 
@@ -34,7 +35,7 @@ class ShardCuts {
       const std::shared_ptr<const scenegraph::revision::Snapshot>& snapshot);
 
   std::mutex mutex_;
-  std::list<std::shared_ptr<Entry>> entries_;  // the one used last first
+  std::list<std::shared_ptr<Entry>> entries_;  // last used first
 };
 
 }  // namespace sightline::server::shards

@@ -20,7 +20,7 @@ using scenegraph::RayTally;
 using scenegraph::query::ShardMerge;
 using scenegraph::query::ShardQuestion;
 
-/// HIT of a ray with more hits than max_hits.
+/// The HIT of a ray with more hits than max_hits.
 constexpr std::uint8_t kCutOff = 3;
 
 v1::QueryKind encode(QueryKind kind) {
@@ -106,7 +106,7 @@ void read_hits(Columns& columns, std::vector<Hit>& hits) {
       [&](auto i, const accel::geometry::Vec3f& normal) { hits[i].normal = normal; });
 }
 
-/// The state, and the work, of rays or of tallies.
+/// Reads the states and the work of rays or of tallies.
 template <class Row>
 void read_states(Columns& columns, std::vector<Row>& rows) {
   columns.read<std::uint8_t>(v1::HIT_FIELD_HIT, rows.size(), true, [&](auto i, std::uint8_t hit) {
@@ -182,7 +182,7 @@ Result<ShardAnswer> decode(const v1::CastRaysResponse& reply, QueryKind kind, st
           v1::HIT_FIELD_COUNT, rays, true,
           [&](auto i, std::uint32_t count) { answer.tallies[i].count = count; });
     } else {
-      // No more than the columns hold, whatever the offsets say.
+      // There are no more hits than the columns hold, whatever the offsets say.
       const std::size_t listed = read_offsets(columns, answer.tallies);
       columns.read<double>(v1::HIT_FIELD_T, listed, true, [](auto, double) {});
       if (!columns.wrong()) {

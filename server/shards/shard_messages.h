@@ -25,8 +25,8 @@ void set_rays(const scenegraph::query::ShardMerge& merge,
 
 /// The hits of a reply.
 struct ShardAnswer {
-  std::vector<accel::geometry::Hit> hits;     ///< Closest and any: of each ray; all: listed.
-  std::vector<scenegraph::RayTally> tallies;  ///< Count and all: of each ray.
+  std::vector<accel::geometry::Hit> hits;     ///< Closest, any: one for each ray; all: the listed.
+  std::vector<scenegraph::RayTally> tallies;  ///< Count and all: one for each ray.
 };
 
 /// Errors: kInternal, naming the column, if the reply has not what make_template() asks for.

@@ -97,7 +97,7 @@ bool ShardedCast::ask(std::function<void()> answered) {
   return true;
 }
 
-/// 0: none. One that has passed is asked for as the shortest.
+/// The time budget of a peer; 0: none. If it has passed, the shortest one is asked for.
 std::uint32_t ShardedCast::budget_ms() const {
   if (!batch_.budget_ends) return 0;
   const auto left = less_reserve(*batch_.budget_ends - Clock::now(), kMostForPeer);

@@ -30,10 +30,10 @@ inline constexpr std::size_t kShardedBytesPerHit = 192;
 /// to end.
 inline constexpr std::chrono::milliseconds kAfterBudget{30};
 
-/// Of one call. For each batch begin(), then ask() and take() in turn until ask() returns false. No
-/// thread waits for a peer: a call to one ends when it answers, kAfterBudget after the budget of
-/// time, when the caller's deadline passes or the caller is gone, and when the peer is lost, of
-/// which none is asked. A peer that is late finds its call cancelled.
+/// The batches of one call. For each batch call begin(), then ask() and take() in turn until ask()
+/// returns false. No thread waits for a peer: a call to one ends when it answers, kAfterBudget
+/// after the budget of time, when the caller's deadline passes or the caller is gone, and when the
+/// peer is lost, of which none is asked. A peer that is late finds its call cancelled.
 class ShardedCast {
  public:
   using Clock = std::chrono::steady_clock;
@@ -41,7 +41,7 @@ class ShardedCast {
   /// What all batches of a call ask for.
   struct Query {
     scenegraph::QueryKind kind = scenegraph::QueryKind::kClosest;
-    bool surface = false;  ///< As of TraceOptions, as the next one.
+    bool surface = false;  ///< See TraceOptions, also for max_hits.
     std::uint32_t max_hits = 0;
     /// Rays that a lost shard could change are unanswered; and those that have no answer shortly
     /// before the caller's deadline.
@@ -49,12 +49,12 @@ class ShardedCast {
   };
 
   struct Batch {
-    std::span<const accel::geometry::Ray> rays{};  ///< Outlive the batch.
-    /// Of the revision that every shard answers at, as the next two.
+    std::span<const accel::geometry::Ray> rays{};  ///< They outlive the batch.
+    /// These three are of the revision that every shard answers at.
     std::shared_ptr<const scenegraph::query::ShardCut> cut{};
     std::uint64_t revision = 0;
     std::string token{};
-    std::optional<Clock::time_point> budget_ends{};  ///< Then rays are unanswered.
+    std::optional<Clock::time_point> budget_ends{};  ///< The time after which rays are unanswered.
   };
 
   /// `asked`: the first request of the call. `caller`: the call to this server. It and `peers`
@@ -69,14 +69,14 @@ class ShardedCast {
   /// object may be gone. False: the batch is done, or its time is over.
   bool ask(std::function<void()> answered);
 
-  /// After answered(): merges the answers. Where the budget was too short for a peer that answers
-  /// pings, rays are unanswered. Errors: kUnavailable (SHARD_LOST: a peer does not answer at this
-  /// revision, and the batch is not partial), what a peer said, kInternal.
+  /// Merges the answers. Call it after answered(). Where the budget was too short for a peer that
+  /// answers pings, rays are unanswered. Errors: kUnavailable (SHARD_LOST: a peer does not answer
+  /// at this revision, and the batch is not partial), what a peer said, kInternal.
   Status take();
 
   /// The answers, once the batch is done.
   const scenegraph::query::ShardMerge& answers() const { return merge_; }
-  /// Of the batch: counts of rays and hits, once it is done, and the costs of all shards.
+  /// The batch's counts of rays and hits, once it is done, and the costs of all shards.
   scenegraph::TraceStats stats() const;
 
  private:
@@ -103,7 +103,7 @@ class ShardedCast {
   const Query query_;
   const v1::CastRaysRequest template_;
   Batch batch_;
-  std::optional<Clock::time_point> ask_until_, wait_until_;  // of the batch
+  std::optional<Clock::time_point> ask_until_, wait_until_;  // the batch's
   scenegraph::query::ShardMerge merge_;
   scenegraph::TraceStats cost_;
   std::vector<Call> calls_;

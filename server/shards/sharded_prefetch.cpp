@@ -52,11 +52,11 @@ class ShardedPrefetch::Call final : public grpc::ClientReadReactor<v1::PrefetchR
   void cancel() { context_->TryCancel(); }
   std::uint32_t shard() const { return shard_; }
   const grpc::Status& status() const { return status_; }
-  /// Under the mutex.
+  /// Call it under the mutex.
   const std::optional<v1::PrefetchResponse>& reported() const { return reported_; }
 
  private:
-  /// What the others build is not needed without this shard.
+  /// Ends this call, and all others if it failed: what they build is not needed without this shard.
   void end(grpc::Status status) {
     status_ = std::move(status);
     if (!status_.ok()) all_.cancel();
@@ -116,7 +116,7 @@ void ShardedPrefetch::cancel() {
     cancelled_ = true;
     if (calls_.empty()) return;  // start() cancels them
   }
-  // Without the mutex: calls that end may say so in this thread.
+  // The mutex is not held: calls that end may say so in this thread.
   for (const auto& call : calls_) call->cancel();
 }
 

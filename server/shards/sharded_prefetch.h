@@ -15,7 +15,7 @@
 
 namespace sightline::server::shards {
 
-/// Of one call, without rays. No thread waits for a peer: a call to one ends as those of
+/// A prefetch of one call, without rays. No thread waits for a peer: a call to one ends as those of
 /// ShardedCast do.
 class ShardedPrefetch {
  public:
@@ -28,10 +28,11 @@ class ShardedPrefetch {
   /// once.
   void start(const v1::PrefetchRequest& asked, std::function<void()> ended);
 
-  /// After ended(). Errors: kUnavailable (SHARD_LOST), what a peer said.
+  /// How the calls ended. Call it after ended(). Errors: kUnavailable (SHARD_LOST), what a peer
+  /// said.
   Status take() const;
 
-  /// Ends soon. Threads: any, at any time.
+  /// Ends the calls soon. Threads: any, at any time.
   void cancel();
 
   /// Sets the sums of what the peers have reported; none of them before each has.
@@ -46,7 +47,7 @@ class ShardedPrefetch {
   const Peers& peers_;
   const grpc::CallbackServerContext& caller_;
   mutable std::mutex mutex_;  // protects what the calls have reported, and the next two
-  std::vector<std::unique_ptr<Call>> calls_;  // of shard 0 first; the same from start() on
+  std::vector<std::unique_ptr<Call>> calls_;  // shard 0 first; constant from start() on
   bool cancelled_ = false;
   std::function<void()> ended_;
   std::atomic<std::size_t> open_{0};  // calls, and start()

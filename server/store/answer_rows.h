@@ -13,7 +13,7 @@
 
 namespace sightline::server::store {
 
-/// Of the row of an answer; `nodes`: as they are stored.
+/// The seal of the row of an answer. `nodes`: as they are stored.
 std::int64_t seal_answer(const SceneKey& scene, const RequestAnswer& answer,
                          std::string_view nodes);
 
@@ -23,9 +23,9 @@ std::int64_t seal_answer(const SceneKey& scene, const RequestAnswer& answer,
 /// written. Errors: also kAlreadyExists.
 Status insert_answer(Database& database, SceneRow& scene, const RequestAnswer& answer,
                      const StoreLimits& limits);
-/// Oldest first. Errors: also kDataLoss, kNotFound (no such scene).
+/// The answers, oldest first. Errors: also kDataLoss, kNotFound (no such scene).
 Result<std::vector<RequestAnswer>> read_answers(Database& database, SceneId scene);
-/// Nothing: it is not kept. Errors: also kDataLoss, kNotFound (no such scene).
+/// The answer; nothing if it is not kept. Errors: also kDataLoss, kNotFound (no such scene).
 Result<std::optional<RequestAnswer>> find_answer(Database& database, SceneId scene,
                                                  const std::string& request_id);
 

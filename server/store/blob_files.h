@@ -29,7 +29,7 @@ class BlobFiles {
     net::Descriptor file;
   };
 
-  /// `files` outlives this object. `directory`: of the store.
+  /// `files` outlives this object. `directory`: the store's.
   BlobFiles(FileSystem& files, const Path& directory) : files_(files), root_(directory / "blobs") {}
 
   /// Makes the directories that are missing, and removes files of dead processes.
@@ -62,7 +62,7 @@ class BlobFiles {
   std::atomic<std::uint64_t> next_{0};
 };
 
-/// kDataLoss (BLOB_CORRUPT). `what` is wrong with the file.
+/// The error kDataLoss (BLOB_CORRUPT): `what` is wrong with the file.
 Error corrupt_blob(const std::filesystem::path& file, const blobs::BlobDigest& digest,
                    std::string_view what);
 

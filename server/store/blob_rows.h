@@ -25,21 +25,21 @@ struct BlobTotals {
   std::uint64_t bytes = 0;
 };
 
-/// Of all digests, in any order, each once.
+/// The sum of the digests, in any order; each counts once.
 std::uint64_t sum_of_blobs(std::span<const blobs::BlobDigest> blobs);
 
 /// Errors of all: as Database.
 
-/// One that is there already stays.
+/// Adds the row of a blob. One that is there already stays.
 Status insert_blob(Database& database, const blobs::BlobDigest& digest,
                    std::chrono::system_clock::time_point now);
 Result<std::optional<std::int64_t>> find_blob(Database& database, const blobs::BlobDigest& digest);
 Result<std::vector<BlobRow>> all_blobs(Database& database);
 Result<BlobTotals> blob_totals(Database& database);
-/// Those that no batch and no snapshot names, stored before `before`.
+/// The blobs that no batch and no snapshot names, stored before `before`.
 Result<std::vector<BlobRow>> unnamed_blobs(Database& database,
                                            std::chrono::system_clock::time_point before);
-/// Those that the batches of the scene after `base` and its snapshot of `base` name.
+/// The blobs that the scene's batches after `base` and its snapshot of `base` name.
 Result<std::vector<blobs::BlobDigest>> blobs_named_by(Database& database, std::int64_t scene,
                                                       std::uint64_t base);
 /// Deletes the row unless something names the blob. Returns whether it was deleted.

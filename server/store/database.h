@@ -71,7 +71,7 @@ class Database {
   virtual std::int64_t changes() const = 0;  ///< Rows that the last statement has written.
   /// Whether other processes write to the database, too.
   virtual bool shared() const = 0;
-  /// kDataLoss (STORE_CORRUPT). `what`: of the database is damaged.
+  /// The error kDataLoss (STORE_CORRUPT). `what`: which part of the database is damaged.
   virtual Error corrupt(std::string_view what) const = 0;
 };
 

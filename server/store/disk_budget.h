@@ -23,17 +23,17 @@ class DiskBudget {
   Status admit(std::uint64_t bytes) const;
 
   void set_database(std::uint64_t bytes) { database_ = bytes; }
-  /// Of stored blobs.
+  /// Counts a stored blob.
   void add_blob(std::uint64_t bytes) { blobs_ += bytes; }
   void remove_blob(std::uint64_t bytes) { blobs_ -= bytes; }
-  /// A blob that will be written.
+  /// Reserves the bytes of a blob that will be written.
   void reserve(std::uint64_t bytes) { reserved_ += bytes; }
-  /// Of what was reserved, bytes that are written now.
+  /// Counts bytes as written that were reserved.
   void wrote(std::uint64_t bytes) {
     fresh_ += bytes;
     reserved_ -= bytes;
   }
-  /// The blob is stored or abandoned: what was written of it, and what was not.
+  /// The blob is stored or abandoned: stops counting what was written of it, and what was not.
   void release(std::uint64_t written, std::uint64_t unwritten) {
     fresh_ -= written;
     reserved_ -= unwritten;
@@ -48,8 +48,8 @@ class DiskBudget {
   const StoreLimits& limits_;
   std::atomic<std::uint64_t> database_{0};
   std::atomic<std::uint64_t> blobs_{0};
-  std::atomic<std::uint64_t> fresh_{0};     // of blobs that are not stored yet
-  std::atomic<std::uint64_t> reserved_{0};  // of the same, not written yet
+  std::atomic<std::uint64_t> fresh_{0};     // written bytes of blobs that are not stored yet
+  std::atomic<std::uint64_t> reserved_{0};  // bytes of these blobs that are not written yet
 };
 
 }  // namespace sightline::server::store

@@ -57,7 +57,7 @@ class Doctor {
     return {};
   }
 
-  /// Which has been found by then.
+  /// Whether the error is damage that has been found before.
   static bool was_found(const Error& error) { return error.code == Code::kDataLoss; }
 
   Status check_blob(const BlobRow& row) {

@@ -25,7 +25,7 @@ class Engine {
   /// makes sure that nothing of it is left. Errors: as Database.
   virtual Status begin(std::span<const SceneId> scenes) = 0;
 
-  /// Success if the transaction is kept; an error if it is not. Errors: as Database.
+  /// Ends the transaction. Success if it is kept; an error if it is not. Errors: as Database.
   virtual Status commit() = 0;
 
   /// Whether a savepoint before each piece of work costs too much: then there are none, and a

@@ -18,7 +18,7 @@ Error file_error(std::string_view action, const std::filesystem::path& file, int
 Error disk_full(const std::filesystem::path& file);
 /// kFailedPrecondition (STORE_READ_ONLY).
 Error read_only(const std::filesystem::path& file);
-/// kDataLoss (STORE_CORRUPT). `what`: of the file is damaged.
+/// kDataLoss (STORE_CORRUPT). `what`: which part of the file is damaged.
 Error corrupt(const std::filesystem::path& file, std::string_view what);
 /// Whether a transaction failed for a reason that lies in the engine, as in its disk, and not in
 /// the work.

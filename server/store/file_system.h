@@ -52,14 +52,14 @@ class FileSystem {
   virtual Status sync(const net::Descriptor& file, const Path& path) = 0;
   /// Returns when the names in the directory are on disk.
   virtual Status sync_directory(const Path& directory) = 0;
-  /// Replaces `to`.
+  /// Renames the file, and replaces `to`.
   virtual Status rename(const Path& from, const Path& to) = 0;
-  /// A file that does not exist is success.
+  /// Removes the file. One that does not exist is success.
   virtual Status remove(const Path& file) = 0;
   /// Errors: also kNotFound.
   virtual Result<std::unique_ptr<MappedFile>> map(const Path& file) = 0;
-  /// The regular files of a directory, without those of directories in it; none if it does not
-  /// exist. In the order of their names.
+  /// The regular files of a directory by name, without those of directories in it; none if it does
+  /// not exist.
   virtual Result<std::vector<FileEntry>> list(const Path& directory) = 0;
   virtual bool exists(const Path& file) = 0;
   /// Takes the file, made if it is missing, for this process until the descriptor is closed.

@@ -19,8 +19,8 @@ std::filesystem::path marks_file(const std::filesystem::path& directory);
 /// What a scene's row was when it was committed last.
 struct Mark {
   SceneKey scene;
-  std::uint64_t edits = 0;     ///< As SceneRow::edits.
-  std::uint64_t revision = 0;  ///< The newest.
+  std::uint64_t edits = 0;     ///< SceneRow::edits at that time.
+  std::uint64_t revision = 0;  ///< The newest revision.
 };
 
 /// A file of slots of one size. A slot is written in place after the commit and before its callers
@@ -37,7 +37,7 @@ class HeadMarks {
   bool found() const { return found_; }
   /// Slots that are neither empty nor match their checksum.
   std::size_t damaged() const { return damaged_; }
-  /// By scene.
+  /// The marks by scene.
   const std::map<SceneId, Mark>& all() const { return marks_; }
 
   /// Errors: those of FileSystem; the mark counts all the same, and sync() writes it again.

@@ -14,7 +14,7 @@ namespace {
 
 using Kind = HistoryFinding::Kind;
 
-/// Of a store whose file of marks was made once.
+/// Whether the store's file of marks was made once.
 Result<bool> is_marked(Database& database) {
   const auto marked = database.number("SELECT value FROM figure WHERE name = 'marked'");
   if (!marked) return marked.error();
@@ -81,7 +81,7 @@ Status mark_all(Database& database, HeadMarks& marks) {
   return *marked ? Status() : database.execute("UPDATE figure SET value = 1 WHERE name = 'marked'");
 }
 
-/// Within a transaction.
+/// Runs work() within a transaction.
 template <class Work>
 Status transact(Database& database, const Work& work) {
   if (Status begun = database.run("BEGIN IMMEDIATE"); !begun) return begun;

@@ -22,12 +22,12 @@ struct HistoryFinding {
   std::string text;  ///< For people.
 };
 
-/// Compares all scenes. What a mark is behind is not a finding: marks may be. Errors: as Database.
+/// Compares all scenes. A mark may be behind its row, which is not a finding. Errors: as Database.
 Result<std::vector<HistoryFinding>> compare_history(Database& database, const HeadMarks& marks);
 
-/// Before the store is used. A scene that is cut is refused from now on; one whose mark is not
-/// there gets new tokens, so that none of a lost history is taken; marks that are behind catch up.
-/// Errors: as Database, kDataLoss (STORE_CORRUPT: scenes are missing altogether).
+/// Call it before the store is used. A scene that is cut is refused from now on; one whose mark is
+/// not there gets new tokens, so that none of a lost history is taken; marks that are behind catch
+/// up. Errors: as Database, kDataLoss (STORE_CORRUPT: scenes are missing altogether).
 Status check_history(Database& database, HeadMarks& marks);
 
 /// Goes on with what is there: scenes that were cut get new tokens, and are served; marks of

@@ -19,7 +19,7 @@ struct BatchRow {
   std::int64_t time = 0;      ///< Milliseconds since 1970.
   std::uint64_t logged = 0;   ///< Bytes of updates of the scene, with these.
   std::uint64_t named = 0;    ///< Sum of the blobs that it names: see sum_of_blobs().
-  std::int64_t checksum = 0;  ///< Of the updates.
+  std::int64_t checksum = 0;  ///< The checksum of the updates.
 
   std::int64_t seal() const;
 };
@@ -29,7 +29,7 @@ struct BatchRow {
 Status insert_batch(Database& database, const Batch& batch, const StoreLimits& limits,
                     std::chrono::system_clock::time_point now);
 
-/// As Store::read().
+/// Reads batches as Store::read() does.
 Result<std::vector<LoggedBatch>> read_batches(Database& database, SceneId scene,
                                               std::uint64_t after, std::uint64_t max_bytes);
 

@@ -6,7 +6,7 @@
 namespace sightline::server::store {
 namespace {
 
-constexpr unsigned kBits = 7;  // of a number in each byte
+constexpr unsigned kBits = 7;  // bits of a number in each byte
 constexpr std::uint64_t kMore = 0x80;
 constexpr unsigned kLastShift = 63;
 
@@ -17,7 +17,7 @@ std::string encode_ids(const std::vector<NodeId>& ids) {
   bytes.reserve(ids.size());
   NodeId last = 0;
   for (const NodeId id : ids) {
-    // Modulo 2^64, with the sign in the lowest bit, so that steps down are short too.
+    // The step is modulo 2^64, with the sign in the lowest bit, so that steps down are short too.
     const std::uint64_t step = id - last;
     std::uint64_t rest = (step << 1) ^ (step >> kLastShift != 0 ? ~std::uint64_t{0} : 0);
     for (; rest >= kMore; rest >>= kBits) bytes.push_back(static_cast<char>(rest | kMore));

@@ -13,7 +13,7 @@ namespace sightline::server::store {
 /// The differences of neighbours as variable-length numbers: a byte an id where they ascend by one.
 std::string encode_ids(const std::vector<NodeId>& ids);
 
-/// Nothing if the bytes are not such a list.
+/// The ids; nothing if the bytes are not such a list.
 std::optional<std::vector<NodeId>> decode_ids(std::span<const std::byte> bytes);
 
 }  // namespace sightline::server::store

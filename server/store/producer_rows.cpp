@@ -38,7 +38,8 @@ Status insert_put(Database& database, SceneRow& scene, const ProducerCommit& com
       scene.key.id, commit.producer, limits.puts, limits.put_nodes);
 }
 
-/// Rows of one producer follow each other. Their seals are added to `sum`.
+/// Adds a row to its producer's record: rows of one producer follow each other. Adds their seals to
+/// `sum`.
 Status read_producer(Database& database, const SceneKey& scene, const Row& row,
                      std::vector<ProducerRecord>& into, std::uint64_t& sum) {
   std::string name = row.text(0);
@@ -65,7 +66,7 @@ struct Progress {
   std::int64_t seal = 0;
 };
 
-/// Nothing: it has committed nothing.
+/// The producer's progress; nothing if it has committed nothing.
 Result<std::optional<Progress>> find_progress(Database& database, const SceneKey& scene,
                                               const std::string& name) {
   std::optional<Progress> found;

@@ -13,10 +13,10 @@
 
 namespace sightline::server::store {
 
-/// Of the row of a producer.
+/// The seal of the row of a producer.
 std::int64_t seal_producer(const SceneKey& scene, std::string_view name,
                            std::uint64_t last_committed);
-/// Of the row of the nodes that a batch has put, as they are stored.
+/// The seal of the row of the nodes that a batch has put, as they are stored.
 std::int64_t seal_put(const SceneKey& scene, std::string_view producer, std::uint64_t sequence,
                       std::string_view nodes);
 
@@ -26,9 +26,10 @@ std::int64_t seal_put(const SceneKey& scene, std::string_view producer, std::uin
 /// kOutOfRange (a sequence that is not beyond its last), kDataLoss.
 Status insert_commit(Database& database, SceneRow& scene, const ProducerCommit& commit,
                      const StoreLimits& limits);
-/// By name. Errors: also kDataLoss, kNotFound (no such scene).
+/// The producers by name. Errors: also kDataLoss, kNotFound (no such scene).
 Result<std::vector<ProducerRecord>> read_producers(Database& database, SceneId scene);
-/// Nothing: it has committed nothing. Errors: also kDataLoss, kNotFound (no such scene).
+/// The producer; nothing if it has committed nothing. Errors: also kDataLoss, kNotFound (no such
+/// scene).
 Result<std::optional<ProducerRecord>> find_producer(Database& database, SceneId scene,
                                                     const std::string& name);
 

@@ -19,8 +19,8 @@ constexpr const char* kFindGarbage =
 constexpr const char* kHoldGarbage =
     "SELECT id FROM scene WHERE garbage = 1 AND id > ? ORDER BY id LIMIT 1 FOR UPDATE SKIP LOCKED";
 
-/// Passes over rows that are damaged: what they call garbage may be what is served. Nothing: there
-/// is none.
+/// The row of a scene with garbage; nothing if there is none. Skips damaged rows: what they call
+/// garbage may be what is served.
 Result<std::optional<SceneRow>> find_garbage(Database& database) {
   for (SceneId last = 0;;) {
     const auto id = database.number(database.shared() ? kHoldGarbage : kFindGarbage, last);
@@ -34,9 +34,9 @@ Result<std::optional<SceneRow>> find_garbage(Database& database) {
   }
 }
 
-/// Children before the rows that they belong to. Each statement deletes a bounded number. Where a
-/// damaged index leads to rows of another scene, these stay: + keeps a condition from being looked
-/// up in an index.
+/// Deletes children before the rows that they belong to. Each statement deletes a bounded number.
+/// Where a damaged index leads to rows of another scene, these stay: + keeps a condition from being
+/// looked up in an index.
 constexpr std::array<const char*, 4> kGarbage{
     "DELETE FROM batch WHERE id IN "
     "(SELECT id FROM batch WHERE scene = ?1 AND revision <= ?2 ORDER BY revision LIMIT 256) "
@@ -50,7 +50,7 @@ constexpr std::array<const char*, 4> kGarbage{
     "AND NOT EXISTS (SELECT 1 FROM snapshot_chunk WHERE snapshot = s.id) "
     "AND NOT EXISTS (SELECT 1 FROM snapshot_blob WHERE snapshot = s.id)",
 };
-/// Only of scenes that were removed.
+/// Used only for scenes that were removed.
 constexpr std::array<const char*, 3> kWriters{
     "DELETE FROM answer WHERE id IN (SELECT id FROM answer WHERE scene = ?1 LIMIT 256) "
     "AND +scene = ?1",
@@ -65,7 +65,7 @@ constexpr std::array<const char*, 3> kWriters{
 Result<std::int64_t> delete_some(Database& database, const SceneRow& scene) {
   std::int64_t deleted = 0;
   const std::int64_t removed = scene.removed ? 1 : 0;
-  // Batches of these revisions.
+  // Batches up to this revision are garbage.
   const std::int64_t up_to = scene.removed ? std::numeric_limits<std::int64_t>::max()
                                            : static_cast<std::int64_t>(scene.base);
   for (const char* query : kGarbage) {

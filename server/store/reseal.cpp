@@ -96,7 +96,7 @@ Status seal_answers(Database& database, Scenes& scenes) {
       });
 }
 
-/// Of one scene, whose rows are few.
+/// Seals the producers of one scene, whose rows are few.
 Status seal_producers(Database& database, SceneRow& scene) {
   struct Keyed {
     std::string name;

@@ -6,9 +6,9 @@
 
 namespace sightline::server::store {
 
-/// Within a transaction, after the tables got their new columns: gives each row its seal, and each
-/// scene its sums. What is damaged already stays so, where it shows. Cost: reads all rows, but no
-/// updates and no bytes of snapshots. Errors: as Database.
+/// Gives each row its seal, and each scene its sums. Call it within a transaction, after the tables
+/// got their new columns. Damage that shows before this still shows after it. Cost: reads all rows,
+/// but no updates and no bytes of snapshots. Errors: as Database.
 Status seal_all(Database& database);
 
 }  // namespace sightline::server::store

@@ -13,7 +13,7 @@
 namespace sightline::server::store {
 namespace {
 
-/// Those of the name that are there. A damaged index may lead to others, whose names differ.
+/// The scenes of this name. A damaged index may lead to others, whose names differ.
 Result<std::vector<SceneId>> find_others(Database& database, const std::string& name) {
   std::vector<SceneId> others;
   const Status read = database.each(

@@ -16,7 +16,7 @@ namespace sightline::server::store {
 Result<SnapshotRow> begin_restored(Database& database, const SceneInfo& info,
                                    std::uint64_t revision,
                                    std::span<const blobs::BlobDigest> blobs);
-/// After the snapshot is written: this scene is there, and the one of its name, if there is one, is
+/// Publishes this scene after its snapshot is written. The one of its name, if there is one, is
 /// removed, or is the error if it may not be replaced. Errors: as Database, kAlreadyExists.
 Status publish_restored(Database& database, SnapshotRow base, std::uint64_t chunks, bool replace);
 

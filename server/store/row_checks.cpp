@@ -46,7 +46,7 @@ Status check_references(SqliteDatabase& database, Findings& findings) {
 }
 
 /// Reads each table from its first row to its last, and asks no index, so that a row is seen
-/// wherever an index leads. Rows of scenes that are removed are garbage, and are passed over.
+/// wherever an index leads. Rows of scenes that are removed are garbage, and are skipped.
 class Scan {
  public:
   Scan(SqliteDatabase& database, Findings& findings) : database_(database), findings_(findings) {}
@@ -68,12 +68,12 @@ class Scan {
  private:
   struct Seen {
     SceneRow row;
-    std::set<std::uint64_t> revisions;  ///< Of batches after the base.
+    std::set<std::uint64_t> revisions;  ///< The revisions of batches after the base.
     bool has_base = false;
     std::uint64_t answers = 0;
     std::uint64_t answer_sum = 0;
     std::uint64_t producer_sum = 0;
-    std::map<std::string, std::uint64_t> producers;  ///< And their last batches.
+    std::map<std::string, std::uint64_t> producers;  ///< Producers and their last batches.
     bool answer_damaged = false, producer_damaged = false;
   };
   struct SeenSnapshot {
@@ -286,11 +286,11 @@ class Scan {
 
   SqliteDatabase& database_;
   Findings& findings_;
-  std::map<SceneId, Seen> scenes_;                  // that are not removed, and sound
-  std::map<std::int64_t, SeenSnapshot> snapshots_;  // that are complete, and sound
+  std::map<SceneId, Seen> scenes_;                  // scenes that are not removed, and sound
+  std::map<std::int64_t, SeenSnapshot> snapshots_;  // snapshots that are complete, and sound
 };
 
-/// What the server finds by its indexes.
+/// Checks what the server finds by its indexes.
 Status check_lookups(SqliteDatabase& database, Findings& findings) {
   const auto scenes = scan_scenes(database);
   if (!scenes) return scenes.error();

@@ -104,7 +104,7 @@ Status RowStore::append(Batch batch, Done done) {
       [batch = std::make_shared<const Batch>(std::move(batch)), fate,
        &limits = limits_](Database& database) {
         Status inserted = insert_batch(database, *batch, limits, std::chrono::system_clock::now());
-        fate->kept = inserted.ok();  // for those after it in the transaction
+        fate->kept = inserted.ok();  // batches after it in the transaction need it
         return inserted;
       },
       [fate, done = std::move(done)](const Status& committed) {

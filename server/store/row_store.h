@@ -51,13 +51,13 @@ class RowStore : public Store {
   RowStore(Writer& writer, Reader& reader, const StoreLimits& limits)
       : writer_(writer), reader_(reader), limits_(limits) {}
 
-  /// Those of the writer and of the logs.
+  /// The figures of the writer and of the logs.
   StoreFigures row_figures() const;
 
  private:
   /// Whether there is space for this many bytes. Errors: kResourceExhausted.
   virtual Status admit(std::uint64_t bytes) = 0;
-  /// Rows may have become garbage.
+  /// Called when rows may have become garbage.
   virtual void rows_dropped() = 0;
 
   Result<std::uint64_t> write_snapshot(const SnapshotRow& snapshot,

@@ -71,7 +71,7 @@ Result<std::optional<StoredRow>> find_row(Database& database, const char* query,
   return found;
 }
 
-/// Where others write, too, the row is held until the transaction ends.
+/// The query for a row. Where others write, too, it holds the row until the transaction ends.
 const char* locking(const Database& database) {
   static const std::string kLocked = std::string(kSelect) + " FOR UPDATE";
   return database.shared() ? kLocked.c_str() : kSelect;
@@ -81,7 +81,7 @@ SceneRecord record_of(const SceneRow& row) {
   return {row.key.id, row.info, row.revision, row.base, {}, row.logged - row.base_logged};
 }
 
-/// Never 0.
+/// A random number, never 0.
 std::uint64_t fresh_number() {
   std::random_device device;
   constexpr unsigned kHalf = 32;
@@ -118,7 +118,7 @@ Result<SceneId> insert_scene(Database& database, const SceneInfo& info) {
   return scene_exists(info.name);
 }
 
-/// The number is part of the seal, so that it is written in two steps.
+/// The row is written in two steps, as its number is part of the seal.
 Result<std::optional<SceneId>> insert_row(Database& database, SceneRow& row) {
   row.key.uid = fresh_number();
   auto id = database.number(

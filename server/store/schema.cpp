@@ -178,7 +178,8 @@ Status add_seals(SqliteDatabase& database) {
 constexpr std::array<Status (*)(SqliteDatabase&), kSchemaVersion - 1> kMigrations{add_checksums,
                                                                                   add_seals};
 
-/// Not of where tables begin, which a VACUUM changes, nor of what ANALYZE adds.
+/// The checksum of the definitions, not of where tables begin, which a VACUUM changes, nor of what
+/// ANALYZE adds.
 Result<std::int64_t> checksum_of_tables(SqliteDatabase& database) {
   std::string all;
   const Status read = database.each(
@@ -244,7 +245,8 @@ Status bring_up(SqliteDatabase& database, std::int64_t version) {
 }  // namespace
 
 Status configure(SqliteDatabase& database) {
-  // Before there are tables: pages that get free can be given back to the file system.
+  // auto_vacuum is set before there are tables: free pages can then be given back to the file
+  // system.
   return database.run(
       "PRAGMA auto_vacuum = INCREMENTAL;"
       "PRAGMA journal_mode = WAL;"

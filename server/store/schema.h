@@ -6,7 +6,7 @@
 
 namespace sightline::server::store {
 
-/// Of the tables that this program writes.
+/// The version of the tables that this program writes.
 inline constexpr int kSchemaVersion = 3;
 
 /// Sets the connection up: durable commits, write-ahead log, foreign keys. Errors: as

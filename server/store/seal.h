@@ -9,8 +9,9 @@
 
 namespace sightline::server::store {
 
-/// Whose a row is. The number of a scene may be damaged in an index, and may be used again after an
-/// old copy of a database was put back; together with `uid` it is one scene for ever.
+/// The scene that a row belongs to. The number of a scene may be damaged in an index, and may be
+/// used again after an old copy of a database was put back; together with `uid` it is one scene for
+/// ever.
 struct SceneKey {
   SceneId id = 0;
   std::uint64_t uid = 0;  ///< Random; never changes.

@@ -30,7 +30,7 @@ Error damaged_snapshot(const Database& database, SceneId scene, std::uint64_t re
                   revision, scene));
 }
 
-/// Those of a scene that match their seals.
+/// The snapshots of a scene whose rows match their seals.
 Result<std::vector<SnapshotRow>> sound_rows(Database& database, const SceneKey& scene) {
   std::vector<SnapshotRow> rows;
   const Status read = database.each(
@@ -133,7 +133,7 @@ std::int64_t seal_chunk(const SceneKey& scene, std::uint64_t revision, std::uint
   return Seal(RowKind::kChunk, scene).add(revision).add(number).add(checksum).value();
 }
 
-/// The number is part of the seal, so that it is written in two steps.
+/// The row is written in two steps, as its number is part of the seal.
 Result<bool> insert_row(Database& database, SnapshotRow& row) {
   const auto id = database.number(
       "INSERT INTO snapshot(scene, revision, state, named) VALUES(?, ?, ?, ?) "
@@ -210,7 +210,7 @@ Status publish_base(Database& database, SnapshotRow base, std::uint64_t chunks) 
                "SNAPSHOT_SUPERSEDED"};
 }
 
-/// One that is garbage already has the scene's mark, too.
+/// The scene is marked also if the snapshot is garbage already.
 Status abandon_snapshot(Database& database, const SnapshotRow& snapshot) {
   auto scene = lock_scene(database, snapshot.scene.id);
   if (!scene) return scene.error();

@@ -23,19 +23,19 @@ struct SnapshotRow {
   SceneKey scene;
   std::uint64_t revision = 0;
   SnapshotState state = SnapshotState::kBeingWritten;
-  std::uint64_t chunks = 0;  ///< Of a complete one.
+  std::uint64_t chunks = 0;  ///< The chunks of a complete snapshot.
   std::uint64_t named = 0;   ///< Sum of the blobs that it names: see sum_of_blobs().
 
   std::int64_t seal() const;
 };
 
-/// Of a chunk of a snapshot, whose bytes have this checksum.
+/// The seal of a chunk of a snapshot, whose bytes have this checksum.
 std::int64_t seal_chunk(const SceneKey& scene, std::uint64_t revision, std::uint64_t number,
                         std::int64_t checksum);
 
 /// Errors of all: as Database.
 
-/// Adds a row; gives it its number. Nothing: there is one of this revision.
+/// Adds a row, and gives it its number. False: there is one of this revision.
 Result<bool> insert_row(Database& database, SnapshotRow& row);
 /// The row of a snapshot that is being written. An unfinished one of the revision becomes garbage.
 /// Errors: also those of Store::put_snapshot().
@@ -49,22 +49,23 @@ Status insert_chunk(Database& database, const SnapshotRow& snapshot, std::uint64
 /// Errors: also kNotFound (the scene was removed meanwhile), kOutOfRange, kAborted
 /// (SNAPSHOT_SUPERSEDED: begin_snapshot() was called again for the revision).
 Status complete_snapshot(Database& database, const SnapshotRow& snapshot, std::uint64_t chunks);
-/// The same for the base of a scene that is restored. That of revision 0 becomes garbage.
+/// Completes the base of a scene that is restored. A base of revision 0 becomes garbage. Errors:
+/// also kAborted.
 Status publish_base(Database& database, SnapshotRow base, std::uint64_t chunks);
-/// Its rows become garbage.
+/// Makes the snapshot's rows garbage.
 Status abandon_snapshot(Database& database, const SnapshotRow& snapshot);
-/// The same for all snapshots whose writers are dead.
+/// Abandons all snapshots whose writers are dead.
 Status abandon_unfinished(Database& database);
-/// The same for those that were begun before a time, in milliseconds since 1970. For tables that
-/// have it.
+/// Abandons unfinished snapshots that were begun before a time, in milliseconds since 1970. Only
+/// for tables that have that time.
 Status abandon_begun_before(Database& database, std::int64_t time);
 
-/// By revision. A row that does not match its seal is left out.
+/// The complete snapshots by revision. A row that does not match its seal is left out.
 Result<std::vector<SnapshotRow>> complete_snapshots(Database& database, const SceneKey& scene);
-/// As Store::read_snapshot().
+/// Reads a chunk as Store::read_snapshot() does.
 Result<std::string> read_chunk(Database& database, SceneId scene, std::uint64_t revision,
                                std::uint64_t number);
-/// As Store::drop_before().
+/// Moves the base as Store::drop_before() does.
 Status move_base(Database& database, SceneId scene, std::uint64_t revision);
 
 }  // namespace sightline::server::store

@@ -47,8 +47,8 @@ Status SqliteEngine::commit() {
   return committed;
 }
 
-/// Before those who wait for the commit hear of it. A mark that cannot be written is written later:
-/// until then less is noticed, and nothing is lost.
+/// Writes the marks before those who wait for the commit hear of it. A mark that cannot be written
+/// is written later: until then less is noticed, and nothing is lost.
 void SqliteEngine::mark_touched() {
   for (auto it = touched_.begin(); it != touched_.end();) {
     const auto row = lock_scene(database_, *it);
@@ -120,7 +120,7 @@ void SqliteEngine::checkpoint(bool tight) {
                                              &pages, &moved);
   if (code != SQLITE_OK || pages != moved) return;
   log_pages_ = 0;
-  (void)marks_.sync();  // as durable as what left the log
+  (void)marks_.sync();  // marks become as durable as what left the log
 }
 
 void SqliteEngine::measure() {

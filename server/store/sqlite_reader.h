@@ -22,7 +22,7 @@ class SqliteReader final : public Reader {
     return use(database_);
   }
 
-  /// Also after an exception. There is nothing to commit.
+  /// Ends the transaction, also after an exception. There is nothing to commit.
   struct Rollback {
     ~Rollback() {
       if (database.in_transaction()) (void)database.execute("ROLLBACK");

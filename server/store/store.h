@@ -18,10 +18,10 @@
 
 namespace sightline::server::store {
 
-/// Given by the store when a scene is created; never used again, also after the scene's removal.
+/// The store's number of a scene; never used again, also after the scene's removal.
 using SceneId = std::int64_t;
 
-/// As scenegraph::model::NodeId.
+/// The type of scenegraph::model::NodeId.
 using NodeId = std::uint64_t;
 
 enum class UpAxis : std::uint8_t { kUnspecified = 0, kY = 1, kZ = 2 };
@@ -42,8 +42,8 @@ struct SceneRecord {
   /// The oldest complete snapshot, which the log continues; 0: the log begins at revision 1.
   std::uint64_t base = 0;
   std::vector<std::uint64_t> snapshots;  ///< Revisions of complete snapshots, ascending.
-  std::uint64_t log_bytes = 0;           ///< Of the updates after `base`.
-  /// Its row is damaged, or its log was cut: calls for it end with kDataLoss.
+  std::uint64_t log_bytes = 0;           ///< Bytes of the updates after `base`.
+  /// The scene's row is damaged, or its log was cut: calls for it end with kDataLoss.
   bool damaged = false;
 };
 
@@ -51,15 +51,15 @@ struct SceneRecord {
 struct RequestAnswer {
   std::string request_id;
   std::uint64_t content = 0;   ///< Digest of the request.
-  std::uint64_t revision = 0;  ///< That the request made.
-  std::vector<NodeId> nodes;   ///< That it put, in order.
+  std::uint64_t revision = 0;  ///< The revision that the request made.
+  std::vector<NodeId> nodes;   ///< The nodes that it put, in order.
 };
 
 /// A numbered batch of a producer, applied or rejected.
 struct ProducerCommit {
   std::string producer;
   std::uint64_t sequence = 0;
-  std::vector<NodeId> nodes;  ///< That it put, in order; empty for a rejected batch.
+  std::vector<NodeId> nodes;  ///< The nodes that it put, in order; empty for a rejected batch.
 };
 
 /// A producer of a scene, and what is kept of its last batches.
@@ -82,12 +82,12 @@ struct Batch {
   /// The updates, in a form that the store does not read. Nothing: no revision is made, and only
   /// the producers' progress is recorded.
   std::optional<std::string> updates;
-  std::vector<blobs::BlobDigest> blobs;  ///< That the updates name; they must be stored.
+  std::vector<blobs::BlobDigest> blobs;  ///< Blobs that the updates name; they must be stored.
   std::optional<RequestAnswer> answer;
   std::vector<ProducerCommit> commits;  ///< In order; ascending sequences of each producer.
-  std::shared_ptr<Fate> fate = {};      ///< Of this batch. Null: no batch names it.
-  /// Of the batch before it, if that was appended and is not done: if it is not kept, this one is
-  /// not either, even if another process has made the revision `expected`.
+  std::shared_ptr<Fate> fate = {};      ///< The fate of this batch. Null: no batch names it.
+  /// The fate of the batch before it, if that was appended and is not done. If that batch is not
+  /// kept, this one is not either, even if another process has made the revision `expected`.
   std::shared_ptr<const Fate> after = {};
 };
 
@@ -100,7 +100,7 @@ struct SceneHead {
 /// A revision in the log.
 struct LoggedBatch {
   std::uint64_t revision = 0;
-  std::chrono::system_clock::time_point time;  ///< Of the commit, in whole milliseconds.
+  std::chrono::system_clock::time_point time;  ///< The time of the commit, in whole milliseconds.
   std::string updates;
 };
 
@@ -139,7 +139,7 @@ struct StoreFigures {
   std::uint64_t blobs = 0;      ///< Number.
   std::uint64_t blob_bytes = 0;
   std::uint64_t bytes_on_disk = 0;  ///< Everything in the directory.
-  std::uint64_t bytes_free = 0;     ///< That the file system has left for this process.
+  std::uint64_t bytes_free = 0;     ///< Bytes that the file system has left for this process.
 };
 
 /// Keeps scenes, their update logs and the blobs that they name. What a call has reported as done
@@ -200,7 +200,7 @@ class Store {
   /// The batches after `after`, in order: as many as fit into `max_bytes` of updates, but at least
   /// one if there is one. Fewer, or none: there are no more. Errors: kNotFound, kOutOfRange
   /// (batches after `after` have been dropped; the message names the base), kDataLoss (a damaged
-  /// row; `after` it the log cannot be followed).
+  /// row, after which the log cannot be followed).
   virtual Result<std::vector<LoggedBatch>> read(SceneId scene, std::uint64_t after,
                                                 std::uint64_t max_bytes) = 0;
 
@@ -221,10 +221,10 @@ class Store {
   // --- Snapshots: a scene at a revision, in a form that the store does not read.
 
   /// Stores a snapshot. Waits for the disk after each chunk, so that batches are committed between.
-  /// `blobs`: those that it names. If it fails, nothing of it stays. Of two calls for one revision
-  /// the later goes on, and the earlier ends with kAborted. Errors: kNotFound,
-  /// kOutOfRange (beyond the newest revision, or older than the base), kAlreadyExists,
-  /// kFailedPrecondition (BLOB_NOT_STORED), those of `next`.
+  /// `blobs`: the blobs that it names. If it fails, nothing of it stays. If two calls store one
+  /// revision, the earlier ends with kAborted. Errors: kNotFound, kOutOfRange (beyond the newest
+  /// revision, or older than the base), kAlreadyExists, kFailedPrecondition (BLOB_NOT_STORED),
+  /// those of `next`.
   virtual Status put_snapshot(SceneId scene, std::uint64_t revision,
                               const std::vector<blobs::BlobDigest>& blobs,
                               const NextChunk& next) = 0;
@@ -284,7 +284,7 @@ class Store {
 /// How late a commit of another process is noticed if its notice is lost.
 inline constexpr std::chrono::milliseconds kWatchEvery{250};
 
-/// Bytes.
+/// The most bytes of a chunk of a snapshot.
 inline constexpr std::size_t kMaxSnapshotChunk = std::size_t{4} << 20;
 
 }  // namespace sightline::server::store

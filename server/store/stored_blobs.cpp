@@ -123,7 +123,7 @@ std::vector<bool> StoredBlobs::has(std::span<const blobs::BlobDigest> digests) {
   for (std::size_t i = 0; i < digests.size(); ++i) {
     if (!there[i]) continue;
     const auto known = states_.find(digests[i]);
-    // One that is damaged can be stored again.
+    // A damaged blob can be stored again.
     there[i] = known == states_.end() || known->second != State::kCorrupt;
     if (there[i]) asked_[digests[i]] = Clock::now();
   }

@@ -60,9 +60,9 @@ class StoredBlobs {
   Writer& writer_;
   DiskBudget& budget_;
   const Clock::time_point opened_ = Clock::now();
-  // Shared: from the publishing of a file to its row, and by those who ask for a blob. Alone: from
-  // the removal of a row to that of its file. So no file is removed that was stored anew or asked
-  // for.
+  // It is held shared from the publishing of a file to its row, and by those who ask for a blob;
+  // alone from the removal of a row to that of its file. So no file is removed that was stored anew
+  // or asked for.
   std::shared_mutex removing_;
   mutable std::mutex mutex_;  // protects the rest
   std::map<blobs::BlobDigest, State> states_;

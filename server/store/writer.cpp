@@ -17,7 +17,7 @@ namespace {
 /// The most that one transaction holds.
 constexpr std::size_t kGroupSize = 1024;
 constexpr std::uint64_t kGroupBytes = std::uint64_t{16} << 20;
-/// After a transaction for several, how long the thread waits for as many to come again.
+/// How long the thread waits, after a transaction for several, for as many to come again.
 constexpr std::chrono::milliseconds kGather{2};
 /// Transactions for one group before it fails, where the engine says that another may succeed.
 constexpr int kAttempts = 3;
@@ -60,7 +60,7 @@ Status Writer::submit(SceneId scene, Run run, Done done, std::uint64_t bytes) {
 }
 
 Status Writer::perform(SceneId scene, const Run& run) {
-  // Shared, as the writer may still be in set_value() when the caller goes on.
+  // The promise is shared: the writer may still be in set_value() when the caller continues.
   const auto outcome = std::make_shared<std::promise<Status>>();
   {
     const std::lock_guard lock(mutex_);
@@ -127,7 +127,7 @@ Writer::Group Writer::next_group() {
   return group;
 }
 
-/// Clients that wait for each answer come back together: it takes a moment until all have.
+/// Waits for clients that come back together after each answer: it takes a moment until all have.
 void Writer::gather(std::unique_lock<std::mutex>& lock) {
   if (last_group_ < 2 || ending_) return;
   queued_.wait_for(lock, kGather,
@@ -190,7 +190,7 @@ Status Writer::transact_once(Group& group, bool& committed) {
   return done;
 }
 
-/// Fails if the engine has; then nothing of the group can be done.
+/// Runs all work. Fails if the engine has failed; then nothing of the group can be done.
 Status Writer::run_all(Group& group) {
   for (Work& work : group) {
     if (work.ended) continue;
@@ -210,7 +210,7 @@ Status Writer::run_one(Work& work) {
   return isolated_ ? run_isolated(work) : work.run(engine_->database());
 }
 
-/// What the work wrote is undone if it fails.
+/// Runs one piece of work. What it wrote is undone if it fails.
 Status Writer::run_isolated(Work& work) {
   if (Status begun = engine_->database().execute("SAVEPOINT one"); !begun) return begun;
   Status done = exec::to_status([&] { return work.run(engine_->database()); });
@@ -222,7 +222,7 @@ Status Writer::run_isolated(Work& work) {
   return done;
 }
 
-/// A step, within the transaction. Garbage that cannot be purged stays until the next start.
+/// Purges a step within the transaction. Garbage that cannot be purged stays until the next start.
 void Writer::purge() {
   if (!garbage_) return;
   Work step;

@@ -21,7 +21,7 @@ namespace sightline::server::store {
 /// Figures of the commits so far.
 struct WriterFigures {
   std::uint64_t commits = 0;
-  std::uint64_t batches = 0;  ///< Queued by submit(), in these commits.
+  std::uint64_t batches = 0;  ///< Batches queued by submit(), in these commits.
   std::uint64_t failures = 0;
   std::chrono::nanoseconds commit_time{0};
   std::uint64_t in_flight = 0;
@@ -47,7 +47,7 @@ class Writer {
   /// kResourceExhausted, and then nothing is queued.
   Status submit(SceneId scene, Run run, Done done, std::uint64_t bytes);
 
-  /// The same for work that frees disk, or writes little: without limits, and waits. Not to be
+  /// Queues work that frees disk, or writes little, without limits, and waits for it. Must not be
   /// called on the writer's thread. `scene`: 0 if it changes none that exists.
   Status perform(SceneId scene, const Run& run);
 

@@ -30,7 +30,7 @@ bool changes_content(const v1::ApplyUpdatesRequest& request) {
       [](const v1::Update& update) { return update.has_put_node() || update.has_delete_node(); });
 }
 
-/// The same for every build of the server: scenes keep it.
+/// A digest that is the same for every build of the server: scenes keep it.
 std::uint64_t digest_of(const std::string& bytes) {
   blobs::Sha256 sha;
   sha.update(std::as_bytes(std::span(bytes)));
@@ -86,7 +86,7 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
     return {};
   }
 
-  /// On the write queue.
+  /// Runs on the write queue.
   void run() {
     const Status begun = exec::to_status([this] { return apply(); });
     if (!begun) not_applied(begun);  // else answered() ends the call, perhaps already
@@ -150,7 +150,7 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
     return applied ? Status() : Status(applied.error());
   }
 
-  /// On the write queue, when the updates are kept, or cannot be.
+  /// Runs on the write queue, when the updates are kept, or cannot be.
   void answered(const Result<scenes::Durability>& durability) {
     if (!durability) return refuse(durability.error());
     reply_.set_durability(encode_durability(*durability));

@@ -21,7 +21,8 @@ bool are_ids(const std::vector<NodeRef>& nodes) {
   return std::ranges::all_of(nodes, [](NodeRef node) { return node > 0; });
 }
 
-/// Checked here because Scene::apply does not see a transform that a newer one replaces.
+/// Whether the update is valid in any scene. Scene::apply does not see a transform that a newer one
+/// replaces.
 bool is_sound(const Update& update) {
   if (const auto* set = std::get_if<SetTransforms>(&update)) {
     return are_ids(set->nodes) &&
@@ -57,7 +58,7 @@ SetTransforms newest_transforms(const std::deque<UpdateBatch>& batches, std::siz
   return newest;
 }
 
-/// Ranges of one set of nodes. More ranges would cost more than they save.
+/// The most ranges of one set of nodes. More would cost more than they save.
 constexpr std::size_t kRangesRemembered = 16;
 
 /// Add patches from the newest to the oldest: add() returns whether a newer patch covers this one.

@@ -26,7 +26,7 @@ Result<SnapshotPointer> snapshot_of(const scenes::StoredScene& scene,
 /// Sets the size of the whole blob, and the bytes from `offset` on that a message may have.
 Status copy_part(const scenegraph::model::Mesh& mesh, std::uint64_t offset,
                  v1::ReadMeshResponse& reply) {
-  std::uint64_t size = 0;  // of the pieces so far
+  std::uint64_t size = 0;  // bytes of the pieces so far
   return blobs::write_mesh_blob(mesh, [&](std::span<const std::byte> piece) -> Status {
     const std::uint64_t begin =
         std::min<std::uint64_t>(std::max(offset, size) - size, piece.size());

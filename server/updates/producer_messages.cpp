@@ -124,7 +124,7 @@ void UpdateAnswers::ack(const Applied& applied, const std::vector<scenegraph::mo
   v1::UpdateAck& ack = *answer.message.mutable_ack();
   ack.set_up_to_sequence(applied.sequence);
   ack.set_coalesced(applied.coalesced);
-  // The weakest of those that are answered together.
+  // An ack has the weakest durability of what it answers.
   if (ack.durability() != v1::DURABILITY_RELAXED)
     ack.set_durability(encode_durability(applied.durability));
   encode_revision(applied.revision, *ack.mutable_revision());

@@ -87,7 +87,7 @@ class UpdateAnswers {
   /// Answers the first message: the last batch committed, and the nodes that recent batches put.
   void opened(const scenes::Producer& producer, std::uint32_t window,
               const scenes::RevisionToken& revision);
-  /// An applied batch; a repeated one counts as 0 batches.
+  /// Applied batches; a repeated one counts as 0 batches.
   struct Applied {
     std::uint64_t sequence = 0;
     scenes::RevisionToken revision;

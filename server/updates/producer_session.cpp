@@ -9,7 +9,7 @@
 namespace sightline::server::updates {
 namespace {
 
-/// The first batches, of which nothing is known yet.
+/// The first batches, whose outcomes are not known yet.
 std::shared_ptr<Answered> take(const std::deque<UpdateBatch>& batches, std::size_t count) {
   auto taken = std::make_shared<Answered>();
   for (std::size_t i = 0; i < count; ++i)

@@ -22,7 +22,7 @@ namespace {
 
 /// A scene whose last message has not come. Only its call knows it.
 struct UnfinishedScene {
-  std::shared_ptr<scenes::StoredScene> draft;  ///< Without nodes. Null before the first message.
+  std::shared_ptr<scenes::StoredScene> draft;  ///< Has no nodes. Null before the first message.
   bool replace = false;
   std::vector<scenegraph::model::Update> nodes;
   std::vector<exec::MemoryAccount::Charge> charges;  ///< For the nodes.

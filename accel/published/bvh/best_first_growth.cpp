@@ -15,7 +15,7 @@ namespace sightline::accel::published::bvh {
 namespace {
 
 /// Number of nodes split before their children are compared with the others. Larger values give
-/// fewer, longer waves. Part of the method, because it decides which nodes are split last.
+/// fewer, longer waves. It is part of the method, because it decides which nodes are split last.
 constexpr std::size_t kAtOnce = 32;
 
 /// Memory that the lists of several nodes may share.
@@ -171,7 +171,8 @@ class BestFirstGrowth {
     std::push_heap(offers_.begin(), offers_.end());
   }
 
-  /// The next wave: the best open nodes. A node whose split exceeds the remaining budget is closed.
+  /// Returns the next wave: the best open nodes. A node whose split exceeds the remaining budget is
+  /// closed.
   std::vector<std::size_t> pay_for_best() {
     std::vector<std::size_t> wave;
     while (!offers_.empty() && wave.size() < kAtOnce) {

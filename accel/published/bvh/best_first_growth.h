@@ -15,8 +15,8 @@ namespace sightline::accel::published::bvh {
 /// would exceed the budget gets object splits only, and so do all nodes below it.
 ///
 /// The cost of a split is the sum over both children of half area times references. Input and
-/// touches: as grow_by_sweep (sweep_growth.h). Parallel in the caller's arena; the result does not
-/// depend on the number of threads. Throws std::bad_alloc.
+/// touches are those of grow_by_sweep (sweep_growth.h). Parallel in the caller's arena; the result
+/// does not depend on the number of threads. Throws std::bad_alloc.
 BvhChild grow_best_first(const SplitSearch& search, const BvhLeafRule& leaf,
                          const CenterLists& root, std::size_t budget, BvhGrowth& growth,
                          kdtree::BuildCounters& counters);

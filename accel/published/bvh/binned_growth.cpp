@@ -52,7 +52,7 @@ ListSpan span_of(std::span<const kdtree::Reference> refs) {
   });
 }
 
-/// Minima, maxima and integer sums, so the result does not depend on the slices.
+/// Bins hold minima, maxima and integer sums, so the result does not depend on the slices.
 void count(CenterBins& bins, std::span<const kdtree::Reference> refs) {
   if (refs.size() < kShareFrom) return bins.add(refs);
   const CenterBins none = bins;

@@ -14,7 +14,7 @@
 
 namespace sightline::accel::published::bvh {
 
-/// Bounds of a list: of its boxes, and of their centers.
+/// The bounds of a list's boxes, and of their centers.
 struct ListSpan {
   LaneBox boxes, centers;
 
@@ -51,7 +51,7 @@ class CenterBins {
 
  private:
   struct Bin {
-    Lanes lo, hi;  // as in LaneBox
+    Lanes lo, hi;  // bounds, as in LaneBox
     std::uint32_t count;
   };
   std::uint32_t bin(float center, std::size_t axis) const {

@@ -1,5 +1,5 @@
 // Storage of a bounding volume hierarchy: nodes with two children each, and the ids in its leaves.
-// Built whole, and immutable afterwards.
+// It is built whole, and immutable afterwards.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace sightline::accel::published::bvh {
 
-/// A child of a node: an inner node or a leaf, with its box. By default an empty leaf.
+/// A child of a node: an inner node or a leaf, with its box. It is an empty leaf by default.
 struct BvhChild {
   geometry::Aabb box{};
   std::uint32_t first = 0;  ///< Inner: index of the node. Leaf: index of the first id.
@@ -20,8 +20,8 @@ struct BvhChild {
   bool inner = false;
 };
 
-/// An inner node. It holds its children's boxes, so that one cache line suffices to test both. The
-/// same face of both boxes is stored side by side, for vector arithmetic.
+/// An inner node. It holds its children's boxes, so that one cache line suffices to test both.
+/// Equal faces of both boxes are stored side by side, for vector arithmetic.
 struct alignas(64) BvhNode {
   static constexpr std::uint32_t kInner = 0xffffffffu;
 

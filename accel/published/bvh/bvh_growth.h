@@ -14,10 +14,10 @@ namespace sightline::accel::published::bvh {
 
 /// When the list of a node becomes a leaf.
 struct BvhLeafRule {
-  /// Longer lists are always split (Stich et al. 2009, section 5: until eight or fewer). Range 1
-  /// to 64.
+  /// Longer lists are always split (Stich et al. 2009, section 5: until eight or fewer). Range 1 to
+  /// 64.
   std::uint32_t leaf_size = 8;
-  /// Shorter lists are split, too, if that lowers the SAH cost. Off: never, as in the paper.
+  /// Whether shorter lists are split, too, if that lowers the SAH cost. The paper never does.
   bool split_small = false;
   double traverse = 1;     ///< C_t: visiting an inner node. Range >= 0.
   double intersect = 1.5;  ///< C_i: testing a triangle. Range > 0.
@@ -34,21 +34,23 @@ struct BvhLeafRule {
   }
 };
 
-/// Threads: leaf() and inner() any; finish() after all of them.
+/// Makes the nodes and leaves of a hierarchy. Threads: leaf() and inner() any; finish() after all
+/// of them.
 class BvhGrowth {
  public:
   /// Reserves a hierarchy over `references` references, including those made by splitting; fewer
   /// than 2^32. `repeats`: a leaf keeps duplicate ids.
   explicit BvhGrowth(std::size_t references, bool repeats = false);
 
-  /// A leaf over these references, in their order; duplicate ids are dropped, unless `repeats`.
+  /// Makes a leaf over these references, in their order; duplicate ids are dropped, unless
+  /// `repeats`.
   BvhChild leaf(std::span<const kdtree::Reference> refs, const geometry::Aabb& box);
 
-  /// An inner node. Its box is the union of its children's.
+  /// Makes an inner node. Its box is the union of its children's.
   BvhChild inner(const BvhChild& left, const BvhChild& right);
 
-  /// The hierarchy below `root`, in its final order, in arrays without unused capacity. Other nodes
-  /// are dropped.
+  /// Returns the hierarchy below `root`, in its final order, in arrays without unused capacity.
+  /// Other nodes are dropped.
   Bvh finish(const BvhChild& root) const;
 
  private:

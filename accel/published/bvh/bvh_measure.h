@@ -6,8 +6,9 @@
 
 namespace sightline::accel::published::bvh {
 
-/// As for kd-trees, with boxes instead of cells. A step tests two boxes, in a kd-tree one plane.
-/// `overlap` is the sum over inner nodes of SA(intersection of the children's boxes) / SA(root).
+/// Computes the metrics of kd-trees, with boxes instead of cells. A step tests two boxes, in a
+/// kd-tree one plane. `overlap` is the sum over inner nodes of SA(intersection of the children's
+/// boxes) / SA(root).
 kdtree::TreeMetrics measure(const Bvh& bvh);
 
 }  // namespace sightline::accel::published::bvh

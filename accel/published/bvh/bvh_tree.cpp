@@ -16,7 +16,7 @@ void BvhTree::build(kdtree::BuildCounters& counters) {
   if (is_built()) return;
   const auto begun = std::chrono::steady_clock::now();
   std::unique_ptr<const Bvh> bvh;
-  // Isolated: this thread must not start a task meanwhile that waits for this lock.
+  // The build is isolated: this thread must not start a task meanwhile that waits for this lock.
   tbb::this_task_arena::isolate(
       [&] { bvh = std::make_unique<const Bvh>(builder_.build(mesh_, counters)); });
   ++counters.cells_expanded;

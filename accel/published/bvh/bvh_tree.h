@@ -21,7 +21,7 @@ class BvhTree final : public mesh::WholeTree {
       : mesh_(mesh), builder_(builder) {}
   ~BvhTree() override { delete built_.load(std::memory_order_relaxed); }
 
-  /// Null before it is built.
+  /// The hierarchy; null before it is built.
   const Bvh* built() const { return built_.load(std::memory_order_acquire); }
 
   bool is_built() const override { return built() != nullptr; }

@@ -61,7 +61,7 @@ void for_each_axis(std::size_t size, Each&& each) {
   }
 }
 
-/// Stable partition: the `left` fragments before `first_right` along `axis` move to the front. The
+/// Partitions stably: the `left` fragments before `first_right` along `axis` move to the front. The
 /// smaller side is buffered in `spare`, which has capacity for one more: every fragment is written
 /// to both sides, and one end advances.
 void divide_list(std::span<Fragment> list, std::size_t axis, const Fragment& first_right,

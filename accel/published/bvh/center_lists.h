@@ -19,8 +19,8 @@ struct Fragment {
   Lanes lo, hi;
 
   Fragment() = default;
-  /// `order`: index of the reference in the list of the whole hierarchy, sorted by id. A node has
-  /// at most one fragment of each reference.
+  /// `order` is the index of the reference in the list of the whole hierarchy, sorted by id. A node
+  /// has at most one fragment of each reference.
   Fragment(const geometry::Aabb& box, std::uint32_t id, std::uint32_t order)
       : lo{box.lo.x, box.lo.y, box.lo.z, std::bit_cast<float>(id)},
         hi{box.hi.x, box.hi.y, box.hi.z, std::bit_cast<float>(order)} {}
@@ -53,7 +53,7 @@ inline geometry::Aabb box_around(std::span<const Fragment> fragments) {
   return box.aabb();
 }
 
-/// Sorted lists of all references, on the stack. Touches: a sort per axis.
+/// Makes sorted lists of all references, on the stack. Touches: a sort per axis.
 CenterLists sort_by_centers(std::span<const kdtree::Reference> refs, FragmentStack& stack,
                             kdtree::BuildCounters& counters);
 

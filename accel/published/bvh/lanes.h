@@ -9,14 +9,14 @@ namespace sightline::accel::published::bvh {
 
 using Lanes = float __attribute__((vector_size(16)));
 
-/// Per lane; if `a` is NaN, the result is `b`.
+/// The lesser number in each lane; where `a` is NaN, it is `b`.
 inline Lanes least(Lanes a, Lanes b) { return a < b ? a : b; }
 inline Lanes greatest(Lanes a, Lanes b) { return a > b ? a : b; }
 
 inline Lanes lanes(const geometry::Vec3f& v) { return Lanes{v.x, v.y, v.z, 0}; }
 inline Lanes all_lanes(float x) { return Lanes{x, x, x, x}; }
 
-/// By default empty.
+/// A box in vector registers, empty by default.
 struct LaneBox {
   Lanes lo = all_lanes(std::numeric_limits<float>::infinity());
   Lanes hi = all_lanes(-std::numeric_limits<float>::infinity());

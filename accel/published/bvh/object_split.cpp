@@ -43,8 +43,8 @@ ObjectSplit best_object_split(const CenterLists& lists, SweepAreas& areas,
   const std::size_t n = lists.size();
   if (n < 2) return {};
   counters.touches += 6 * n;
-  // Slightly below the sum of the whole: a split whose sum is equal up to rounding separates
-  // nothing.
+  // The limit is slightly below the sum of the whole: a split whose sum is equal up to rounding
+  // separates nothing.
   ObjectSplit whole;
   whole.sum = half_area(lists.box) * static_cast<double>(n) * (1 - 0x1p-40);
   if (n < grow::kForkFrom) {

@@ -29,7 +29,7 @@ class Grid {
     return (bins_ + SpatialBins::kMostBins - 1) / SpatialBins::kMostBins;
   }
 
-  /// Bins `stride` planes wide from plane `begin` to `end`.
+  /// Makes bins `stride` planes wide from plane `begin` to `end`.
   SpatialBins chopped(std::size_t axis, std::size_t begin, std::size_t end,
                       std::size_t stride) const {
     std::array<float, SpatialBins::kMostBins + 1> planes;

@@ -44,7 +44,8 @@ struct PlaneSplit {
 /// Clips straddlers at the plane. The parts of a fragment cover every point of the triangle that
 /// the fragment covered. A fragment whose triangle is on one side only goes to that side. With
 /// `unsplit`, straddlers stay whole where that costs less by the formula of section 4.4; they are
-/// decided one by one in their order, with the boxes and numbers after those before.
+/// decided one by one in their order, each with the boxes and numbers that the ones before it
+/// leave.
 ///
 /// Touches: a pass over the list; touches_prepare: two boxes a straddler.
 void plan_plane_split(const geometry::MeshView& mesh, const CenterLists& node,
@@ -52,7 +53,7 @@ void plan_plane_split(const geometry::MeshView& mesh, const CenterLists& node,
                       kdtree::BuildCounters& counters);
 
 /// Divides lists as planned: the left lists stay in their memory, the right lists go to `buffer`,
-/// of 3 * plan.right fragments. Touches: a pass per axis.
+/// which has capacity for 3 * plan.right fragments. Touches: a pass per axis.
 ListHalves divide_by_plane(const CenterLists& node, const PlaneSplit& plan, Fragment* buffer,
                            kdtree::BuildCounters& counters);
 

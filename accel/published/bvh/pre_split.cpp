@@ -75,7 +75,8 @@ float middle(const geometry::Aabb& box, std::size_t axis) {
 /// Half area; 0 for a box that no plane divides.
 double box_size(const geometry::Aabb& box) {
   const auto axis = static_cast<std::size_t>(split::longest_axis(box));
-  // At least a few floats wide: widen_flat could widen smaller halves back to the whole.
+  // A box that is split is a few floats wide: widen_flat could widen smaller halves back to the
+  // whole.
   const float least = geometry::least_above(
       geometry::least_above(geometry::least_above(geometry::least_above(box.lo[axis]))));
   return box.hi[axis] > least ? half_area(box) : 0;

@@ -53,7 +53,7 @@ std::vector<kdtree::Reference> split_early(const geometry::MeshView& mesh,
 /// bounds have the largest volume, while that is above rule.threshold of the volume of the root.
 /// Triangles with axis-aligned edges stay whole.
 ///
-/// In, out, touches: as split_early. A piece is the box around the corners of a
+/// Input, output and touches are those of split_early. A piece is the box around the corners of a
 /// part of a triangle, computed in double and rounded outward.
 std::vector<kdtree::Reference> split_edges(const geometry::MeshView& mesh,
                                            std::vector<kdtree::Reference> refs,

@@ -10,7 +10,7 @@ SpatialBins::SpatialBins(std::size_t axis, std::span<const float> planes)
     : axis_(axis), bins_(planes.size() - 1), most_(static_cast<float>(planes.size())) {
   std::copy(planes.begin(), planes.end(), planes_.begin());
   const double width = static_cast<double>(planes.back()) - static_cast<double>(planes.front());
-  // Not a finite float: guesses are then far off, and corrected by search.
+  // If the quotient is not a finite float, guesses are far off, and corrected by search.
   per_width_ = width > 1e-36 ? static_cast<float>(static_cast<double>(bins_) / width) : 0;
 }
 

@@ -16,7 +16,7 @@
 
 namespace sightline::accel::published::bvh {
 
-/// A split by the plane x[axis] = position. By default none.
+/// A split by the plane x[axis] = position. There is none by default.
 struct SpatialSplit {
   std::size_t axis = 0;
   float position = 0;
@@ -44,7 +44,7 @@ class SpatialBins {
  public:
   static constexpr std::size_t kMostBins = 16;
 
-  /// `planes`: 2 to kMostBins + 1, finite.
+  /// Makes empty bins between `planes`, 2 to kMostBins + 1 of them, finite and ascending.
   SpatialBins(std::size_t axis, std::span<const float> planes);
 
   std::size_t bins() const { return bins_; }
@@ -64,8 +64,8 @@ class SpatialBins {
     const std::size_t first = bin_above(f.lo[axis_]);
     return {first, std::max(first, bin_below(f.hi[axis_]))};
   }
-  /// Adds a fragment that overlaps the bins. `corners`: of the part of its triangle; not read
-  /// unless span.is_cut().
+  /// Adds a fragment that overlaps the bins. `corners` are those of the part of its triangle; they
+  /// are read only if span.is_cut().
   void add(const Fragment& f, const Span& span, std::span<const Lanes> corners);
   /// Adds the contents of bins between the same planes.
   void merge(const SpatialBins& o);
@@ -109,7 +109,8 @@ class SpatialBins {
       leave_{};  ///< Fragments that begin and end there, by bin.
 };
 
-/// The corners of one fragment. Clipped in float: off by roundings, for estimates only.
+/// The corners of one fragment. They are clipped in float, and off by roundings: they serve
+/// estimates only.
 class FragmentCorners {
  public:
   FragmentCorners(const geometry::MeshView& mesh, const Fragment& fragment) {

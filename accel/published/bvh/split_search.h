@@ -21,21 +21,21 @@ struct SplitScratch {
 /// Threads: any, each with its own scratch. Long lists are searched in parallel.
 class SplitSearch {
  public:
-  /// `mesh` null: no spatial splits.
+  /// If `mesh` is null, there are no spatial splits.
   SplitSearch(const geometry::MeshView* mesh, const SpatialRule& rule, const geometry::Aabb& root)
       : mesh_(mesh), rule_(rule), least_overlap_(rule.alpha * half_area(root)) {}
 
-  /// The best object split; halves the list if nothing can be separated or the node is at
-  /// kHalvingDepth. At least two references.
+  /// Returns the best object split; halves the list if nothing can be separated or the node is at
+  /// kHalvingDepth. The node has at least two references.
   ObjectSplit between(const CenterLists& node, int depth, SplitScratch& scratch,
                       kdtree::BuildCounters& counters) const;
 
   /// Whether spatial splits may be tried in the node or below it.
   bool may_split_spatially(const CenterLists& node, int depth) const;
 
-  /// The best spatial split, if the children of `object` overlap enough for the rule (Stich et al.
-  /// 2009, section 4.5). Null if it costs more or reduces nothing, or if object splits separate
-  /// nothing. The plan is in the scratch.
+  /// Returns the best spatial split, if the children of `object` overlap enough for the rule (Stich
+  /// et al. 2009, section 4.5); null if it costs more or reduces nothing, or if object splits
+  /// separate nothing. The plan is in the scratch.
   ///
   /// Touches: a pass for the overlap, best_spatial_split, plan_plane_split.
   const PlaneSplit* by_plane(const CenterLists& node, int depth, const ObjectSplit& object,

@@ -34,17 +34,18 @@ class ReferenceBudget {
 
 class ListGrowth {
  public:
-  /// `budget` null: object splits only. All arguments must outlive this.
+  /// If `budget` is null, there are object splits only. All arguments must outlive this.
   ListGrowth(const SplitSearch& search, const BvhLeafRule& leaf, BvhGrowth& growth,
              ReferenceBudget* budget)
       : search_(search), leaf_(leaf), growth_(growth), budget_(budget) {}
 
-  /// The subtree of a node; not usable once the budget is exceeded. Whether that happens depends on
-  /// all nodes together, not on the order in which they grow. Reorders the lists.
+  /// Grows the subtree of a node, which is not usable once the budget is exceeded. Whether that
+  /// happens depends on all nodes together, not on the order in which they grow. Reorders the
+  /// lists.
   BvhChild grow(const CenterLists& node, int depth, SplitScratch& scratch,
                 kdtree::BuildCounters& counters) const;
 
-  /// A leaf, ids ascending.
+  /// Makes a leaf with ascending ids.
   BvhChild leaf(const CenterLists& node) const;
 
  private:
@@ -70,9 +71,9 @@ std::size_t sweep_capacity(std::size_t references, const SpatialRule& spatial);
 /// if the children overlap, at a plane if that costs less (`spatial`). Lists that neither can
 /// separate are halved.
 ///
-/// In: references of faces of `mesh`, fewer than 2^31; those of a face cover it together. `mesh`
-/// null: no spatial splits, as with spatial.alpha = 1. Bounds went through widen_flat. Out: nodes
-/// in `growth`, which has capacity for sweep_capacity(refs.size(), spatial).
+/// In: references of faces of `mesh`, fewer than 2^31; those of a face cover it together. If `mesh`
+/// is null, there are no spatial splits, as with spatial.alpha = 1. Bounds went through widen_flat.
+/// Out: nodes in `growth`, which has capacity for sweep_capacity(refs.size(), spatial).
 ///
 /// Source: Stich, Friedrich, Dietrich 2009. Differs: the budget, and halving of lists that no split
 /// separates. Touches: see best_object_split, divide_by_centers, best_spatial_split,

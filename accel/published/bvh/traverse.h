@@ -82,7 +82,7 @@ void walk(const Bvh& bvh, const kdtree::TreeRay& ray, kdtree::WalkCounters& coun
           both ? (meeting.t_in[1] < meeting.t_in[0] ? 1u : 0u) : (meeting.meets[1] ? 1u : 0u);
       if (both) {
         stack[waiting++] = {meeting.t_in[1 - next], node.first[1 - next], node.count[1 - next]};
-        // Prefetched for when the traversal returns to it.
+        // The other child is prefetched for when the traversal returns to it.
         fetch(bvh, node.first[1 - next], node.count[1 - next]);
       }
       first = node.first[next];

@@ -36,7 +36,7 @@ class AxisBins {
   }
 
  private:
-  /// Stored side by side: a box thinner than a bin touches one cache line.
+  /// The counts are stored side by side: a box thinner than a bin touches one cache line.
   struct Counts {
     std::uint32_t starts = 0, ends = 0;
   };

@@ -20,8 +20,8 @@ struct ExactCosts {
   bool operator==(const ExactCosts&) const = default;
 };
 
-/// A split, its cost and the weights of its sides. Better is less in (cost, axis, position,
-/// planar_left): a total order, so that every search finds the same best candidate.
+/// A split, its cost and the weights of its sides. The lesser one in (cost, axis, position,
+/// planar_left) is better: a total order, so that every search finds the same best candidate.
 struct Candidate {
   double cost = std::numeric_limits<double>::infinity();
   kdtree::Split cut;

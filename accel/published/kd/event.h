@@ -17,7 +17,7 @@ namespace sightline::accel::published::kd {
 /// At equal positions ends come first, then boxes that lie in the plane, then starts.
 enum class EventType : std::uint64_t { kEnd = 0, kPlanar = 1, kStart = 2 };
 
-/// Ordered by (position, type, reference):
+/// An end of a box along one axis. Events are ordered by (position, type, reference):
 ///
 ///     bits 32..63 position, mapped so that integers order as the floats do
 ///     bits 30..31 type
@@ -71,8 +71,8 @@ inline std::uint64_t sort_touches(std::size_t events) {
   return events < 2 ? 0 : events * static_cast<std::uint64_t>(std::bit_width(events - 1));
 }
 
-/// Sorts events. Those of equal position and type must already be in the order of their references.
-/// A radix sort, least digit first, over the 34 bits of position and type.
+/// Sorts events. Events of equal position and type must already be in the order of their
+/// references. This is a radix sort, least digit first, over the 34 bits of position and type.
 inline void sort_events(std::vector<Event>& events) {
   constexpr std::size_t kWorthIt = 4096;
   if (events.size() < kWorthIt) return std::sort(events.begin(), events.end());

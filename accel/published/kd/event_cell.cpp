@@ -21,7 +21,7 @@ void sort_fresh(Event* begin, Event* end) {
   }
 }
 
-/// Without branches on events: which list is next is hard to predict.
+/// Merges two lists without branches on events, as which list is next is hard to predict.
 Event* merge(const Event* a, const Event* a_end, const Event* b, const Event* b_end, Event* out) {
   while (a != a_end && b != b_end) {
     const bool second = *b < *a;
@@ -55,7 +55,7 @@ std::size_t EventDivider::classify(std::span<const Event> events, const kdtree::
     planar_left += goes_left ? 1 : 0;
   }
   straddling_ = started - ended;
-  // Capacity for one more: the loop writes before it tests.
+  // There is capacity for one more, as the loop writes before it tests.
   if (straddlers_.size() < straddling_ + 1) straddlers_.resize(straddling_ + 1);
   std::size_t found = 0;
   for (; i < size; ++i) {

@@ -18,8 +18,8 @@ namespace sightline::accel::published::kd {
 /// references.
 struct EventCell {
   std::array<std::span<const Event>, 3> events;
-  std::size_t size = 0;      ///< References.
-  std::uint32_t weight = 0;  ///< Sum over all references.
+  std::size_t size = 0;      ///< Number of references.
+  std::uint32_t weight = 0;  ///< Sum of the weights of all references.
   geometry::Aabb box;
   kdtree::CellPath path;
 };
@@ -44,9 +44,9 @@ class EventDivider {
   /// Memory of the children's events. The caller releases it when the children are finished.
   grow::ListStack<Event>& events() { return events_; }
 
-  /// `mesh` null: straddlers keep their bounds on both sides. Otherwise they are clipped to each
-  /// half, and left out of a half that they do not overlap. `refs`: face and weight of each
-  /// reference, by index.
+  /// Divides a cell. If `mesh` is null, straddlers keep their bounds on both sides; otherwise they
+  /// are clipped to each half, and left out of a half that they do not overlap. `refs`: face and
+  /// weight of each reference, by index.
   EventHalves divide(const EventCell& cell, const EventSplit& cut,
                      std::span<const kdtree::Reference> refs, const geometry::MeshView* mesh,
                      kdtree::BuildCounters& counters);

@@ -8,8 +8,8 @@
 
 namespace sightline::accel::published::kd {
 
-/// The tree over references of weight 1: the same planes, and the same references in each leaf (in
-/// another order), as grow_plain() makes with ExactSearch::kSort.
+/// Grows the tree over references of weight 1. It has the planes, and in each leaf the references
+/// (in another order), of the tree that grow_plain() makes with ExactSearch::kSort.
 ///
 /// The list of the paper is ordered by position, then axis; here by axis, then position. No step
 /// compares events of different axes, so each step reads only the axes it needs.

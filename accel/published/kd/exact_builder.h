@@ -35,10 +35,10 @@ struct ExactBuilder {
   /// A message that names a parameter out of range, and its range; nothing if all are in range.
   std::optional<std::string> check() const;
 
-  /// The best candidate; nothing if a leaf is cheaper (and bad refines are used up) or nothing can
-  /// be separated. Boxes that lie in the plane are tried on both sides of it (section 3.5). A plane
-  /// may lie in a face of the cell if that moves such boxes into a flat cell. kSweep works on whole
-  /// trees (event_growth.h); for a single cell it sorts.
+  /// Returns the best candidate; nothing if a leaf is cheaper (and bad refines are used up) or
+  /// nothing can be separated. Boxes that lie in the plane are tried on both sides of it (section
+  /// 3.5). A plane may lie in a face of the cell if that moves such boxes into a flat cell. kSweep
+  /// works on whole trees (event_growth.h); for a single cell it sorts.
   ///
   /// Touches: kNaive: a pass for every candidate. Else, per axis: a pass to make events, the sort,
   /// and a pass to sweep. Threads: any.
@@ -47,7 +47,8 @@ struct ExactBuilder {
 
   bool clips() const { return clip; }
 
-  /// The split to make in a cell of this weight, given its best candidate; nothing for a leaf.
+  /// Returns the split to make in a cell of this weight, given its best candidate; nothing for a
+  /// leaf.
   std::optional<kdtree::Split> decide(const Candidate& best, std::uint32_t weight,
                                       std::size_t references, const kdtree::CellPath& path) const;
 };

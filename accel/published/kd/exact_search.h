@@ -8,8 +8,8 @@
 
 namespace sightline::accel::published::kd {
 
-/// Scans the list for each candidate. `weight`: of the whole list. An infinite cost means that
-/// there is no candidate.
+/// Scans the list for each candidate. `weight` is that of the whole list. An infinite cost means
+/// that there is no candidate.
 Candidate search_naively(const ExactCosts& costs, std::span<const kdtree::Reference> refs,
                          const geometry::Aabb& cell, std::uint32_t weight,
                          kdtree::BuildCounters& counters);

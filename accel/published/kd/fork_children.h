@@ -9,9 +9,9 @@
 
 namespace sightline::accel::published::kd {
 
-/// grow_right(task, goes_on) is a task for any thread. `goes_on`: the thread that has grown the
-/// left child goes on, with what it writes to; otherwise the cells are appended once both have
-/// ended. They are in the same order either way.
+/// Runs grow_left() here and grow_right(task, goes_on) on any thread. If `goes_on`, the thread that
+/// has grown the left child continues with the same task; otherwise the right cells are written
+/// elsewhere, and appended once both have ended. The order of the cells is the same either way.
 template <class GrowLeft, class GrowRight>
 PlainCells::Pair fork_children(const PlainTask& task, const GrowLeft& grow_left,
                                const GrowRight& grow_right) {

@@ -42,7 +42,8 @@ void offer_minima(const Samples& samples, const split::SplitAreas& areas,
   }
 }
 
-/// The weight of the whole list: the weight below the cell's upper face.
+/// Offers the sampled splits. Returns the weight of the whole list, which is the weight below the
+/// cell's upper face.
 double offer_sampled(const HuntScan& builder, const kdtree::CellRefs& list, split::AxisRange range,
                      split::BestSplit& best, kdtree::BuildCounters& counters) {
   const std::array<Samples, 3> samples =

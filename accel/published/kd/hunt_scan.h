@@ -43,10 +43,10 @@ struct HuntScan {
   /// If the longest axis has no split below this share of the leaf's cost, the other two axes are
   /// tried, too. Range from 1e-6; infinite: never.
   double retry_above = std::numeric_limits<double>::infinity();
-  /// Snap a sampled plane to the cheaper of the two bounds next to it. Between bounds the cost is
-  /// linear, so a minimum is always at a bound. Costs two passes.
+  /// Whether a sampled plane is snapped to the cheaper of the two bounds next to it. Between bounds
+  /// the cost is linear, so a minimum is always at a bound. This costs two passes.
   bool snap = false;
-  /// Perfect splits: see clip_straddlers.
+  /// Whether straddlers are clipped (perfect splits): see clip_straddlers.
   bool clip = false;
 
   static constexpr std::uint32_t kMaxExact = split::kMaxBoundScan;
@@ -56,17 +56,17 @@ struct HuntScan {
   /// A message that names a parameter out of range, and its range; nothing if all are in range.
   std::optional<std::string> check() const;
 
-  /// The cheapest plane strictly inside the cell; nothing if no split is cheaper than a leaf, or no
-  /// plane lies inside. Threads: any. Long lists are scanned in parallel in the caller's arena; the
-  /// result does not depend on the number of threads.
+  /// Returns the cheapest plane strictly inside the cell; nothing if no split is cheaper than a
+  /// leaf, or no plane lies inside. Threads: any. Long lists are scanned in parallel in the
+  /// caller's arena; the result does not depend on the number of threads.
   std::optional<kdtree::Split> choose(const kdtree::CellRefs& cell,
                                       kdtree::BuildCounters& counters) const;
 
   bool clips() const { return clip; }
 
   /// Whether sifting a list of `references` also counts the first passes of the children
-  /// (CellRefs::first). Not for short lists, most of whose children try every bound, and not with
-  /// clipping, which changes the counted boxes.
+  /// (CellRefs::first). It does not for short lists, most of whose children try every bound, nor
+  /// with clipping, which changes the counted boxes.
   bool scans_children(std::size_t references) const {
     return !clip && uniform_samples <= kdtree::kUniformPlanes &&
            references >= 2 * std::size_t{exact_below};

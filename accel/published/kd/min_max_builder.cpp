@@ -14,7 +14,7 @@
 namespace sightline::accel::published::kd {
 namespace {
 
-/// Without a branch: whether a bound lies inside a small cell is hard to predict.
+/// There is no branch, as whether a bound lies inside a small cell is hard to predict.
 bool is_inside(const geometry::Aabb& cell, std::size_t axis, float x) {
   return static_cast<bool>(static_cast<int>(x > cell.lo[axis]) &
                            static_cast<int>(x < cell.hi[axis]));
@@ -27,8 +27,8 @@ std::size_t stride_for(std::size_t n) {
   return std::max<std::size_t>(stride, 1);
 }
 
-/// Weight below and above a boundary, from sums over the bins: boxes that start in a bin before it
-/// lie below it, boxes that end in a bin after it lie above it.
+/// Calls offer(boundary, weight below, weight above) for every boundary, with sums over the bins:
+/// boxes that start in a bin before it lie below it, boxes that end in a bin after it lie above it.
 template <class Offer>
 void for_each_boundary(const AxisBins& bins, std::uint32_t weight, const Offer& offer) {
   std::uint32_t left = 0, right = weight;

@@ -17,7 +17,7 @@ struct MinMaxBuilder {
   /// Bins per axis, over the bounds of the cell's contents. Lists of at most this length try every
   /// bound instead. Range 2 to 256.
   std::uint32_t bins = 32;
-  /// Count only one in l = log10(N) references of a cell of N.
+  /// Whether only one in l = log10(N) references of a cell of N is counted.
   bool subsample = true;
   /// Number of threads T of the initial decomposition: the top log2 T levels are split at the
   /// boundary nearest the median, of kDecompositionBins T bins along the longest axis. 0: the
@@ -39,7 +39,7 @@ struct MinMaxBuilder {
   std::optional<kdtree::Split> choose(const kdtree::CellRefs& cell,
                                       kdtree::BuildCounters& counters) const;
 
-  /// Never: a straddler keeps its bounds on both sides.
+  /// Straddlers are never clipped: they keep their bounds on both sides.
   bool clips() const { return false; }
 
   /// The rule for lists of this length, if every bound is a candidate.

@@ -34,7 +34,7 @@ class PlainNode {
   static constexpr PlainNode leaf(std::size_t count, std::size_t first) {
     return PlainNode(kLeaf | std::uint64_t{count} << 3 | std::uint64_t{first} << 32);
   }
-  /// A leaf because there was no room for a cut, or for its ids.
+  /// Makes a leaf of a cell because there was no room for a cut, or for its ids.
   static constexpr PlainNode failed_leaf(std::size_t count, std::size_t first) {
     return PlainNode(leaf(count, first).bits_ | kFailed);
   }
@@ -60,8 +60,8 @@ struct PlainCells {
 
   PlainNode root;
   std::vector<Pair> pairs;
-  std::vector<std::uint32_t> ids;         ///< Of leaves of several references.
-  std::vector<kdtree::Reference> failed;  ///< Of failed leaves, with their boxes.
+  std::vector<std::uint32_t> ids;         ///< The ids of leaves with several references.
+  std::vector<kdtree::Reference> failed;  ///< The references of failed leaves.
 
   /// The references of a leaf that did not fail. If there is only one, the span points to
   /// `storage`.

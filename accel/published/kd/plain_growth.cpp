@@ -18,7 +18,7 @@ namespace {
 using Refs = std::span<kdtree::Reference>;
 using ListStack = grow::ListStack<kdtree::Reference>;
 
-/// The right lists of a task, for each reference of its list: most trees need less.
+/// Capacity for the right lists of a task, per reference of its list. Most trees need less.
 constexpr std::size_t kListsEach = 4;
 
 class PlainGrowth {
@@ -26,8 +26,8 @@ class PlainGrowth {
   PlainGrowth(const PlainRule& rule, const geometry::MeshView& mesh, int max_depth)
       : rule_(rule), mesh_(mesh), max_depth_(max_depth) {}
 
-  /// `first`: what the first pass over the list would find, or null. `lists`: the right lists of
-  /// the task.
+  /// Grows a cell. `first` is what the first pass over the list would find, or null; `lists` are
+  /// the right lists of the task.
   PlainNode grow(Refs refs, const geometry::Aabb& cell, const kdtree::CellPath& path,
                  const kdtree::ChildScan* first, ListStack& lists, const PlainTask& task) const {
     if (rule_.small && refs.size() <= kSmallList)
@@ -95,8 +95,8 @@ class PlainGrowth {
     });
   }
 
-  /// The right list, after the left subtree is grown. If it is about as long as its parent's, it
-  /// moves there, or a path to the right would keep the lists of all its cells.
+  /// Returns the right list, after the left subtree is grown. A list about as long as its parent's
+  /// moves there: otherwise a path to the right would keep the lists of all its cells.
   static Refs right_list(const Lists& refs, ListStack& lists) {
     constexpr double kLong = 0.625;
     if (static_cast<double>(refs.right.size()) < kLong * static_cast<double>(refs.parent.size()))

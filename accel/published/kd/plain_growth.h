@@ -20,8 +20,8 @@ struct PlainTask {
 /// Depth at which cells of a tree over that many references become leaves.
 int depth_limit(const PlainRule& rule, std::size_t references);
 
-/// The tree over references of weight 1, which are overwritten: a left child's list replaces its
-/// parent's, a right child's is on a stack (Hunt et al. 2006, section 6.3.1). `mesh`: what
+/// Grows the tree over references of weight 1, which are overwritten: a left child's list replaces
+/// its parent's, a right child's is on a stack (Hunt et al. 2006, section 6.3.1). `mesh` is what
 /// straddlers are clipped against. Large subtrees are tasks in the caller's arena; the tree does
 /// not depend on the number of threads. Throws std::bad_alloc.
 PlainCells grow_plain(const PlainRule& rule, const geometry::MeshView& mesh,

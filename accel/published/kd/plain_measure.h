@@ -6,8 +6,8 @@
 
 namespace sightline::accel::published::kd {
 
-/// `bounds`: the cell of the root. Failed leaves count as deferred and failed cells, and nowhere
-/// else.
+/// Computes the metrics of a tree. `bounds` is the cell of the root. Failed leaves count as
+/// deferred and failed cells, and nowhere else.
 kdtree::TreeMetrics measure(const PlainCells& cells, const geometry::Aabb& bounds);
 
 }  // namespace sightline::accel::published::kd

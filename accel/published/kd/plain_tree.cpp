@@ -32,7 +32,7 @@ void PlainTree::build(kdtree::BuildCounters& counters) {
   if (is_built()) return;
   const auto begun = std::chrono::steady_clock::now();
   std::unique_ptr<const PlainCells> cells;
-  // Isolated: this thread must not start a task meanwhile that waits for this lock.
+  // The build is isolated: this thread must not start a task meanwhile that waits for this lock.
   tbb::this_task_arena::isolate(
       [&] { cells = std::make_unique<const PlainCells>(grow(counters)); });
   ++counters.cells_expanded;

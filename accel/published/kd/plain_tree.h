@@ -12,15 +12,15 @@
 
 namespace sightline::accel::published::kd {
 
-/// Built whole, down to leaves, as the papers do it. The first ray that enters builds all of it,
-/// while others wait.
+/// A plain tree is built whole, down to leaves, as in the papers. The first ray that enters builds
+/// all of it, while others wait.
 class PlainTree final : public mesh::WholeTree {
  public:
   /// The view's arrays must outlive the tree.
   PlainTree(const geometry::MeshView& mesh, const mesh::MeshStats& stats, const PlainRule& rule);
   ~PlainTree() override { delete built_.load(std::memory_order_relaxed); }
 
-  /// Null before it is built.
+  /// The cells; null before they are built.
   const PlainCells* built() const { return built_.load(std::memory_order_acquire); }
   /// The cell of the root.
   const geometry::Aabb& bounds() const { return bounds_; }

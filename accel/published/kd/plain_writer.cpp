@@ -8,7 +8,7 @@
 namespace sightline::accel::published::kd {
 namespace {
 
-/// Pairs and ids for each reference of a tree without a budget, beside a few.
+/// Capacity of a tree without a budget: pairs and ids for each reference, and a few more.
 constexpr std::size_t kPairsEach = 32, kIdsEach = 64, kSpare = 64;
 
 std::int64_t at_most(std::size_t count, std::uint64_t most) {
@@ -17,8 +17,8 @@ std::int64_t at_most(std::size_t count, std::uint64_t most) {
 
 }  // namespace
 
-/// A budget bounds what leaves hold, and with it the number of nodes; the rest is for small
-/// subtrees, which have none.
+/// A budget bounds what leaves hold, and with it the number of nodes. The spare capacity is for
+/// small subtrees, which have no budget.
 PlainCapacity::PlainCapacity(double budget, std::size_t references) {
   const auto most = static_cast<std::size_t>(std::ceil(budget));
   const std::size_t pairs = most > 0 ? most : kPairsEach,

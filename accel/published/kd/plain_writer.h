@@ -10,12 +10,12 @@
 
 namespace sightline::accel::published::kd {
 
-/// How many pairs and ids a tree may still get: some rules cut as long as the next cut pays,
-/// whatever that takes. Threads: any.
+/// The number of pairs and ids that a tree may still get. It is limited, as some rules cut as long
+/// as the next cut pays, whatever memory that takes. Threads: any.
 class PlainCapacity {
  public:
-  /// For a tree over that many references, whose leaves hold at most `budget` of them for each one
-  /// (SplitSearch::budget); 0: as many as there is room for.
+  /// Makes the capacity for a tree over that many references, whose leaves hold at most `budget`
+  /// ids for each of them (SplitSearch::budget); 0 stands for no budget.
   PlainCapacity(double budget, std::size_t references);
 
   bool take_pair() { return take(pairs_, 1); }
@@ -38,30 +38,31 @@ class PlainWriter {
 
   PlainCapacity& capacity() const { return capacity_; }
 
-  /// Whether there is room for the children of one more node, which is then taken.
+  /// Takes capacity for the children of one more node; false if there is none.
   bool may_cut() { return capacity_.take_pair(); }
-  /// The index of a new pair: a node comes before those below it.
+  /// Returns the index of a new pair. A node is begun before the nodes below it, and so comes
+  /// first.
   std::uint32_t begin_pair();
   void end_pair(std::uint32_t pair, PlainNode left, PlainNode right) {
     cells_.pairs[pair] = {left, right};
   }
 
-  /// A leaf of these references; a failed one if there is no room for their ids.
+  /// Makes a leaf of these references, or a failed one if there is no room for their ids.
   PlainNode leaf(std::span<const kdtree::Reference> refs);
-  /// As above; failed() makes the failed one.
+  /// Makes a leaf as the overload above does; failed() makes the failed one.
   template <class Failed>
   PlainNode leaf(std::span<const kdtree::Reference> refs, const Failed& failed) {
     if (refs.empty()) return {};
     if (refs.size() == 1) return PlainNode::leaf(1, refs[0].id);
     return capacity_.take_ids(refs.size()) ? long_leaf(refs) : failed();
   }
-  /// Counted by TreeMetrics::failed_cells. Not empty.
+  /// Makes a failed leaf, which TreeMetrics::failed_cells counts. `refs` is not empty.
   PlainNode failed_leaf(std::span<const kdtree::Reference> refs);
 
   /// Takes over the cells of another task, and returns its node as it is from now on.
   PlainNode append(const PlainWriter& other, PlainNode node);
 
-  /// The whole tree. The writer is empty then.
+  /// Returns the whole tree, and leaves the writer empty.
   PlainCells finish(PlainNode root);
 
  private:

@@ -27,7 +27,7 @@ struct StagePlanes {
   }
 };
 
-/// Evenly spaced from face to face, both included.
+/// Makes planes that are evenly spaced from face to face, both included.
 StagePlanes uniform_planes(const geometry::Aabb& cell, split::AxisRange range, std::size_t n) {
   StagePlanes planes;
   for (int axis = range.begin; axis < range.end; ++axis) {
@@ -42,7 +42,7 @@ StagePlanes uniform_planes(const geometry::Aabb& cell, split::AxisRange range, s
   return planes;
 }
 
-/// One pass at these planes, for the axes in range.
+/// Runs one pass at these planes, for the axes in range.
 AxisCounts count_planes(const kdtree::CellRefs& list, split::AxisRange range,
                         const AxisPlanes& planes, kdtree::BuildCounters& counters) {
   counters.touches += list.size;
@@ -60,7 +60,7 @@ AxisCounts count_planes(const kdtree::CellRefs& list, split::AxisRange range,
       .few;
 }
 
-/// All passes of a stage. `first`: the counts of the first one, if known.
+/// Runs all passes of a stage. `first` holds the counts of the first one, if known.
 std::array<Samples, 3> sample_stage(const kdtree::CellRefs& list, split::AxisRange range,
                                     const StagePlanes& planes, const AxisCounts* first,
                                     kdtree::BuildCounters& counters) {

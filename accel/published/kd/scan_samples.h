@@ -37,14 +37,14 @@ std::size_t adaptive_planes(const Samples& uniform, std::uint32_t n, std::span<f
 /// Merges samples by position; together at most 2 kMostSamples.
 Samples merge(const Samples& a, const Samples& b);
 
-/// All of section 5.2: uniform samples, then adaptive ones, for the axes in range; the others stay
-/// empty. Every kUniformPlanes planes take a pass, except for a first pass that is already known
-/// (CellRefs::first).
+/// Does all of section 5.2: takes uniform samples, then adaptive ones, for the axes in range; the
+/// others stay empty. Every kUniformPlanes planes take a pass, except for a first pass that is
+/// already known (CellRefs::first).
 std::array<Samples, 3> sample_axes(const kdtree::CellRefs& list, split::AxisRange range,
                                    std::uint32_t uniform, std::uint32_t adaptive,
                                    kdtree::BuildCounters& counters);
 
-/// As above, for a list in one piece.
+/// Samples a list in one piece.
 inline std::array<Samples, 3> sample_axes(std::span<const kdtree::Reference> refs,
                                           const geometry::Aabb& cell, split::AxisRange range,
                                           std::uint32_t uniform, std::uint32_t adaptive,

@@ -20,8 +20,8 @@ struct ListWeights {
   std::uint32_t operator()(std::uint32_t reference) const { return refs[reference].weight; }
 };
 
-/// Improves `best` by the candidates of one axis. Call for axes in ascending order. `weight`: of
-/// the whole cell. Touches: half the events, as a box has two ends.
+/// Improves `best` by the candidates of one axis. Call it for axes in ascending order. `weight` is
+/// that of the whole cell. Touches: half the events, as a box has two ends.
 ///
 /// The cost is computed at every event, not once per position. Before all ends at a position are
 /// counted the cost is too high, and after the first start it is too high again, so the smallest is

@@ -43,7 +43,7 @@ class CsvRays : public RowReader {
   std::uint64_t line_number_ = 0;
   std::string first_;                     // the line of the first ray, until it is read
   std::vector<std::size_t> columns_;      // for each value of a line, its index in kRayColumns
-  std::vector<std::string_view> values_;  // of the line that is being read
+  std::vector<std::string_view> values_;  // values of the line that is being read
   bool has_interval_ = false;
 };
 

@@ -15,7 +15,7 @@
 
 namespace sightline::client::cli::files {
 
-/// Of one file. Rows are added in order.
+/// The format of one file. Rows are added in order.
 class HitFormat {
  public:
   virtual ~HitFormat() = default;

@@ -13,7 +13,7 @@
 namespace sightline::client::cli::files {
 namespace {
 
-constexpr std::size_t kAlignment = 64;  // of the data, as NumPy aligns it
+constexpr std::size_t kAlignment = 64;  // the data's, as NumPy aligns it
 
 // Parses a dict literal such as {'descr': '<f8', 'fortran_order': False, 'shape': (3, 4), }.
 class DictParser {

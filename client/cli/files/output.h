@@ -22,7 +22,7 @@ class Output {
   ~Output();
 
   Status write(std::string_view bytes);
-  /// Overwrites the start of the file. Errors: as above, and if the output cannot seek.
+  /// Overwrites the start of the file. Errors: also if the output cannot seek.
   Status write_at_start(std::string_view bytes);
   /// Puts the written file in place. Without this call, nothing changes.
   Status commit();

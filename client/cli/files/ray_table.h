@@ -16,7 +16,7 @@ namespace sightline::client::cli::files {
 
 /// One number a ray.
 struct TableColumn {
-  const std::byte* data = nullptr;  ///< of the first ray
+  const std::byte* data = nullptr;  ///< the first ray's
   std::uint64_t stride = 0;         ///< bytes from ray to ray
   ScalarType type;
 
@@ -26,8 +26,8 @@ struct TableColumn {
 struct RayTable {
   /// ox oy oz dx dy dz tmin tmax; without the last two, their data is null.
   std::array<TableColumn, 8> columns{};
-  std::vector<std::uint64_t> shape{};                 ///< of the rays, e.g. (height, width)
-  std::vector<std::shared_ptr<const void>> owners{};  ///< of the data
+  std::vector<std::uint64_t> shape{};                 ///< the rays' shape, e.g. (height, width)
+  std::vector<std::shared_ptr<const void>> owners{};  ///< owners of the data
 
   std::uint64_t rows() const;
   bool has_interval() const { return columns[6].data != nullptr; }
@@ -39,7 +39,7 @@ struct NpyArray {
   std::vector<std::uint64_t> shape;
   ScalarType type;
   const std::byte* data = nullptr;      ///< in C order
-  std::shared_ptr<const void> owner{};  ///< of the data, if it was put into that order
+  std::shared_ptr<const void> owner{};  ///< owns the data, if it was put into that order
 };
 
 /// Errors: kInvalidArgument, saying what is wrong: no .npy, cut off, or a type that is not real.

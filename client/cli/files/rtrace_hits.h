@@ -28,7 +28,7 @@ struct RtraceHitOptions {
   std::string command = {};  ///< for the header
   /// Width and height; with both, a line of them comes before the records.
   std::pair<std::uint32_t, std::uint32_t> size = {};
-  std::unordered_map<std::uint64_t, std::string> names = {};  ///< of nodes, for the letter s
+  std::unordered_map<std::uint64_t, std::string> names = {};  ///< nodes' names, for the letter s
 };
 
 /// A ray that hits nothing or cannot be cast has a distance of 1e10, zeros for a point and a

@@ -19,7 +19,7 @@ constexpr std::uint32_t kLocalHeader = 0x04034b50, kDirectoryHeader = 0x02014b50
                         kDirectoryEnd = 0x06054b50;
 constexpr std::size_t kLocalBytes = 30, kDirectoryBytes = 46, kEndBytes = 22;
 constexpr std::size_t kLongestComment = 0xffff;
-constexpr std::uint64_t kIn64 = 0xffffffff;  // of a size or offset: it is in the extra field
+constexpr std::uint64_t kIn64 = 0xffffffff;  // a size or offset that is in the extra field
 constexpr std::uint16_t kExtra64 = 1;
 constexpr std::uint16_t kStored = 0, kDeflated = 8;
 // Deflate packs no better than 1032 to 1.

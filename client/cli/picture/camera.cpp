@@ -11,14 +11,14 @@ namespace {
 
 constexpr Axes kSceneAxes{};
 constexpr Vec3 kOverviewFrom{1, 0.7, 0.5};  // along side, up and front of the scene
-constexpr double kMargin = 0.05;            // of the picture's half, on each side
+constexpr double kMargin = 0.05;            // share of the picture's half, on each side
 constexpr double kNearlyParallel = 1e-6;    // sine of the angle between two directions
 
 Vec3 up_of(UpAxis axis) { return axis == UpAxis::kZ ? Vec3{0, 0, 1} : Vec3{0, 1, 0}; }
 
 bool are_parallel(const Vec3& a, const Vec3& b) { return length(cross(a, b)) < kNearlyParallel; }
 
-// Along an axis of the picture and along the view.
+// A point's coordinates along an axis of the picture and along the view.
 struct Seen {
   double across, along;
 };
@@ -36,7 +36,7 @@ class Extent {
     right_ = std::max(right_, point.across - slope_ * point.along);
   }
 
-  // Of an eye that sees all points: |across - eye| <= slope (along - eye) for each.
+  // The farthest eye that sees all points: |across - eye| <= slope (along - eye) for each.
   double farthest_eye() const { return -(left_ + right_) / (2 * slope_); }
   double middle_in_perspective() const { return (right_ - left_) / 2; }
   double middle() const { return (low_ + high_) / 2; }
@@ -147,7 +147,7 @@ std::optional<Camera> make_camera(const CameraRequest& request, const SceneInfo&
                add(scale(axes.side, -kOverviewFrom[0]),
                    add(scale(axes.up, -kOverviewFrom[1]), scale(axes.front, -kOverviewFrom[2]))));
     show_whole(camera, box, static_cast<double>(size.width) / size.height);
-    // The same view of another point.
+    // The view stays the same, of another point.
     if (request.at) camera.eye = add(camera.eye, sub(at, box.center()));
     return camera;
   }

@@ -23,7 +23,7 @@ inline Vec3 cross(const Vec3& a, const Vec3& b) {
 }
 inline double length(const Vec3& a) { return std::sqrt(dot(a, a)); }
 inline Vec3 unit(const Vec3& a) { return scale(a, 1 / length(a)); }
-/// Linear: a at s = 0, b at s = 1.
+/// Interpolates linearly: a at s = 0, b at s = 1.
 inline Vec3 mix(const Vec3& a, const Vec3& b, double s) {
   return add(scale(a, 1 - s), scale(b, s));
 }
@@ -33,8 +33,8 @@ struct Axes {
   Vec3 side{1, 0, 0}, up{0, 1, 0}, front{0, 0, 1};
 };
 
-/// With this `up`, which is not zero. For y these are the axes x, y, z, for z they are x, z, -y: a
-/// scene that is turned from one to the other has the same place in them.
+/// The axes with this `up`, which is not zero. For y these are the axes x, y, z, for z they are x,
+/// z, -y: a scene that is turned from one to the other has the same place in them.
 Axes upright_axes(const Vec3& up);
 
 struct ViewRay {
@@ -48,7 +48,8 @@ struct Camera {
   Vec3 right{1, 0, 0};
   Vec3 up{0, 1, 0};
   bool orthographic = false;
-  /// Of the picture plane: at distance 1, or of all rays if the camera is orthographic.
+  /// Half the height of the picture plane: at distance 1, or of all rays if the camera is
+  /// orthographic.
   double half_height = 1;
   Axes scene{};  ///< how the scene stands
 

@@ -12,8 +12,8 @@ inline constexpr std::uint32_t kGlyphStep = 6;                     ///< from one
 /// Rows from the top; the highest of the kGlyphWidth bits is the left pixel.
 using Glyph = std::array<std::uint8_t, kGlyphHeight>;
 
-/// Empty for a character that the font does not have: it has digits, the letters of units and of
-/// the words on a scale, '.', '-' and '+'.
+/// The glyph of a character; empty if the font does not have it. It has digits, the letters of
+/// units and of the words on a scale, '.', '-' and '+'.
 Glyph glyph_of(char c);
 
 }  // namespace sightline::client::cli::picture

@@ -105,7 +105,7 @@ bool has_scale(const PictureRequest& request) {
          (request.mode == PictureMode::kDepth || request.mode == PictureMode::kHeat);
 }
 
-// Of the view, without the scale.
+// The size of the view, without the scale.
 PictureSize view_size(const PictureRequest& request) {
   PictureSize size = request.size;
   if (has_scale(request)) size.width -= scale_width(size);

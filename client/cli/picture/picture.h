@@ -31,7 +31,7 @@ struct PictureRequest {
 struct Picture {
   std::vector<std::uint8_t> rgb;  ///< sRGB, (height, width, 3)
   CastReport report;
-  std::optional<Scale> scale{};  ///< of kDepth and kHeat, also where it is not drawn
+  std::optional<Scale> scale{};  ///< set for kDepth and kHeat, also where it is not drawn
 };
 
 /// Whether a request has a camera: its eye is not the point that it looks at.

@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint32_t kBarLeft = 6, kBarWidth = 12, kTickWidth = 3, kTextLeft = 24;
 constexpr std::uint32_t kWidth = 76, kLine = 11, kEdge = 8;
 constexpr std::uint32_t kLeastHeight = 100, kLeastView = 2 * kWidth;
-constexpr std::uint32_t kHeightOfZoom = 360;  // of a picture, for each step of zoom
+constexpr std::uint32_t kHeightOfZoom = 360;  // a picture's, for each step of zoom
 
 std::uint32_t zoom_of(PictureSize size) {
   return std::max(1U, (size.height + kHeightOfZoom / 2) / kHeightOfZoom);
@@ -71,7 +71,7 @@ class Panel {
   std::uint32_t left_;
 };
 
-// Short enough for the panel.
+// The number as text that is short enough for the panel.
 std::string number_text(double value) {
   if (std::abs(value) >= 1e6 || (value != 0 && std::abs(value) < 1e-3))
     return fmt::format("{:.2g}", value);
@@ -131,7 +131,7 @@ std::vector<double> ticks_of(const ValueRange& range, int count) {
   std::vector<double> ticks;
   const double first = std::ceil(range.low / step - 1e-9);
   const double last = std::floor(range.high / step + 1e-9);
-  // More than a few only by rounding, where the range is far from 0 and narrow.
+  // There are more than a few only by rounding, where the range is far from 0 and narrow.
   for (double i = first; i <= last && ticks.size() <= 2 * static_cast<std::size_t>(count); ++i)
     ticks.push_back(i * step + 0.0);
   return ticks;

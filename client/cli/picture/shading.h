@@ -15,14 +15,15 @@ using Rgb = std::array<float, 3>;
 /// they fit. In OKLCh, equal steps look equal.
 Rgb from_oklch(double lightness, double chroma, double hue);
 
-/// From near black through violet and orange to pale yellow. Lightness rises evenly. s runs from 0
-/// to 1.
+/// A colour from near black through violet and orange to pale yellow. Lightness rises evenly. s
+/// runs from 0 to 1.
 Rgb heat_colour(double s);
 
-/// From pale sand (near, 0) through green and blue to deep indigo (far, 1). Lightness falls evenly.
+/// A colour from pale sand (near, 0) through green and blue to deep indigo (far, 1). Lightness
+/// falls evenly.
 Rgb depth_colour(double s);
 
-/// Always the same colour for the same id. Consecutive ids get distant hues.
+/// A colour that is always the same for the same id. Consecutive ids get distant hues.
 Rgb node_colour(std::uint64_t id);
 
 /// Applies the gamma of sRGB. Returns 0 to 255.
@@ -59,9 +60,9 @@ struct ValueRange {
   double high = 1;  ///< above `low`
 };
 
-/// Of distances, without the nearest and the farthest hundredth.
+/// The range of distances, without the nearest and the farthest hundredth.
 ValueRange depth_range(const std::vector<Sample>& samples);
-/// Of work, from 0 on, without the few samples with the most.
+/// The range of work, from 0 on, without the few samples with the most.
 ValueRange heat_range(const std::vector<Sample>& samples);
 
 /// Where a value stands in its range, 0 to 1: evenly, or by the square root for heat, so that

@@ -23,7 +23,7 @@ class Answers {
     if (sequence > answered_) {
       waiting_.emplace_back(sequence, at);
     } else {
-      // The answer arrived before this call.
+      // The answer has arrived before this call.
       milliseconds_.push_back(milliseconds_since(at, last_answer_));
     }
   }

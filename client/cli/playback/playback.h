@@ -52,7 +52,7 @@ struct PlaybackReport {
   /// Skipped, because the server had not answered earlier frames
   std::uint64_t frames_dropped = 0;
   double seconds = 0;          ///< from the first frame to the last answer
-  double fps_achieved = 0;     ///< of frames sent or unchanged; 0 for a single frame
+  double fps_achieved = 0;     ///< rate of frames sent or unchanged; 0 for a single frame
   std::vector<double> ack_ms;  ///< from sending to the answer, sorted
   std::optional<Error> first_reject;
   UpdateStreamState stream;

@@ -28,7 +28,7 @@ std::string path_of(const importer::ImportedScene& scene, std::uint32_t node) {
   return path;
 }
 
-// For each node, whether the motion needs it: it moves, or a descendant moves.
+// Whether the motion needs each node: it moves, or a descendant moves.
 std::vector<bool> needed(const Motion& motion) {
   std::vector<bool> out(motion.scene.nodes.size());
   for (const auto* list : {&motion.placed, &motion.shaped}) {

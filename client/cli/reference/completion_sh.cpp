@@ -8,7 +8,7 @@
 namespace sightline::client::cli::reference {
 namespace {
 
-/// In single quotes, in which a single quote cannot stand.
+/// The text in single quotes, in which a single quote cannot stand.
 std::string sh_quoted(const std::string& text) {
   std::string quoted = "'";
   for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
@@ -63,7 +63,7 @@ std::vector<std::string> verb_rows(std::span<const Verb> verbs, const Verb& verb
   return rows;
 }
 
-/// Those of the program are taken by every verb.
+/// The rows NAME:HELP of a verb's options. Every verb takes those of the program.
 std::vector<std::string> option_rows(std::span<const Verb> verbs, const Verb& verb) {
   std::vector<std::string> rows;
   const auto append = [&rows](const Verb& from, bool with_short) {

@@ -15,7 +15,7 @@ namespace sightline::client::cli::reference {
 struct Value {
   enum class Kind : std::uint8_t { kNone, kText, kChoices, kFile, kDirectory, kScene };
   Kind kind = Kind::kNone;
-  std::vector<std::string> choices{};  ///< of kChoices
+  std::vector<std::string> choices{};  ///< the words of kChoices
 };
 
 struct Option {

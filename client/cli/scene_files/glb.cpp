@@ -83,7 +83,7 @@ class GlbDocument {
     bytes_ += bytes;
   }
 
-  // Of the vertices that are finite: JSON has no other numbers.
+  // Adds the bounds of the finite vertices: JSON has no other numbers.
   static void add_bounds(const ImportedMesh& mesh, Json& accessor) {
     for (std::size_t k = 0; k < 3; ++k) {
       float low = std::numeric_limits<float>::max(), high = -low;
@@ -116,7 +116,7 @@ class GlbDocument {
 
   Json json_;
   std::uint64_t bytes_ = 0;
-  std::vector<std::optional<std::size_t>> numbers_;  // of meshes; none: nothing to draw
+  std::vector<std::optional<std::size_t>> numbers_;  // meshes' numbers; none: nothing to draw
 };
 
 std::string words(std::initializer_list<std::uint32_t> numbers) {

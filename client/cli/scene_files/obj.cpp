@@ -25,7 +25,7 @@ class ObjText {
   explicit ObjText(const ByteSink& sink) : sink_(sink) {}
 
   Status add(const std::string& name, const Transform& scene_from_local, const ImportedMesh& mesh) {
-    // Readers take objects of one name for one object.
+    // Readers take objects with one name for one object.
     const std::uint64_t before = names_[name]++;
     fmt::format_to(std::back_inserter(text_), "o {}{}\n", printable(name),
                    before == 0 ? "" : fmt::format("#{}", before));

@@ -11,7 +11,7 @@
 namespace sightline::client::cli::scene_files {
 namespace {
 
-// Parents before children, else as they were.
+// The nodes with parents before children, else in their order.
 std::vector<const NodeInfo*> sorted(const std::vector<NodeInfo>& nodes) {
   std::unordered_map<std::uint64_t, std::vector<const NodeInfo*>> children;
   for (const NodeInfo& node : nodes) children[node.parent].push_back(&node);

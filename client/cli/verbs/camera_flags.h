@@ -10,7 +10,7 @@ class App;
 
 namespace sightline::client::cli::verbs {
 
-/// --size, --eye, --at and --fov. The verb's callback must not outlive `camera` and `size`.
+/// Adds --size, --eye, --at and --fov. The verb's callback must not outlive `camera` and `size`.
 void add_camera_flags(CLI::App& verb, picture::CameraRequest& camera, PictureSize& size);
 
 }  // namespace sightline::client::cli::verbs

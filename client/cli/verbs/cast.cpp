@@ -128,7 +128,7 @@ ExitCode run(const Session& session, const CastArguments& arguments) {
   const auto client = session.connect();
   if (!client) return fail(client.error());
   const Interrupt interrupt;
-  // Before the rays are read: they may be long in coming.
+  // This comes before the rays are read, which may take long.
   const auto scene = client->get_scene(arguments.scene, interrupt.token());
   if (!scene && interrupt.happened()) return say_interrupted();
   if (!scene) return fail(scene.error());

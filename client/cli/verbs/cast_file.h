@@ -45,7 +45,7 @@ struct CastOutcome {
 /// calls.
 Result<CastOutcome> cast_file(const Client& client, const CastFileRequest& request);
 
-/// The same, from and to what is open.
+/// Casts as cast_file() does, from and to what is open.
 Result<CastOutcome> cast_rays(const Client& client, CastRequest request, files::RayFile rays,
                               files::HitFile hits);
 

@@ -98,7 +98,7 @@ Result<SceneInfo> send(const Client& client, const ImportArguments& arguments,
   return error;
 }
 
-// Asked before the file is read, because big files take long to read.
+// Asks before the file is read, because big files take long to read.
 Status check_free(const Client& client, const ImportArguments& arguments) {
   const auto scene = client.get_scene(arguments.scene);
   if (!scene) return scene.error().code == Code::kNotFound ? Status() : Status(scene.error());

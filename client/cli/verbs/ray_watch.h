@@ -31,7 +31,7 @@ struct RayFaultInfo {
 };
 const RayFaultInfo& info_of(RayFault fault);
 
-/// As the server judges it. `origin` and `direction` have three numbers each.
+/// The fault of a ray, as the server judges it. `origin` and `direction` have three numbers each.
 RayFault fault_of(const double* origin, const double* direction, double tmin, double tmax);
 
 /// Rays that are on their way, by number. Threads: one adds, one takes.

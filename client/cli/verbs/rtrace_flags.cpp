@@ -156,7 +156,7 @@ class Speller {
   void note(const std::string& flag) { spelled_.push_back("--no-effect=" + flag); }
 
   Words words_;
-  std::vector<bool> on_;  // of kSwitches
+  std::vector<bool> on_;  // which of kSwitches are on
   int expansions_ = 0;
   std::vector<std::string> spelled_;
 };

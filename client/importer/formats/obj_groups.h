@@ -27,7 +27,7 @@ class ObjGroups {
 
   /// `corners` are indices of the file's vertices.
   void add_face(std::span<const std::uint32_t> corners);
-  std::size_t corners() const { return corner_count_; }  ///< of all faces
+  std::size_t corners() const { return corner_count_; }  ///< corners of all faces
 
   /// A node for each object, and a mesh for each part with faces. A file without faces is a mesh of
   /// points.
@@ -50,7 +50,7 @@ class ObjGroups {
   std::vector<Object> objects_;
   std::vector<Part> parts_;
   std::unordered_map<std::string, std::size_t> object_by_name_;
-  std::size_t object_ = 0, part_ = 0;  // those that are open, if there are any
+  std::size_t object_ = 0, part_ = 0;  // the open ones, if there are any
   std::string group_;
   std::optional<std::string> material_;
   std::size_t corner_count_ = 0;

@@ -23,7 +23,7 @@ constexpr std::size_t kMost = 0xFFFFFFF0;  // vertices, or corners of faces
 
 struct Line {
   std::string_view text;
-  std::uint64_t number = 0;  // of its first line, if it is continued
+  std::uint64_t number = 0;  // its first line's, if it is continued
   bool is_ended = true;
 };
 
@@ -242,7 +242,7 @@ class ObjReader {
   std::vector<Point> vertices_;
   ObjGroups groups_;
   ObjUnread unread_;
-  std::vector<std::uint32_t> corners_;  // of the face that is read
+  std::vector<std::uint32_t> corners_;  // corners of the face that is read
   std::vector<Later> later_;            // corners whose vertices did not exist yet
 };
 

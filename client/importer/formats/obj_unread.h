@@ -12,15 +12,15 @@ namespace sightline::client::importer::formats {
 
 class ObjUnread {
  public:
-  /// A statement that adds no polygon, line or point.
+  /// Counts a statement that adds no polygon, line or point.
   void statement(std::string_view keyword, std::uint64_t line);
-  /// A vertex with a weight other than 1.
+  /// Counts a vertex with a weight other than 1.
   void weight(std::uint64_t line);
   void empty_face(std::uint64_t line);
-  /// The last line is whole, and has no end.
+  /// Notes that the last line is whole, and has no end.
   void end_of_last_line();
 
-  /// One for each kind that was counted.
+  /// A warning for each kind that was counted.
   std::vector<Warning> warnings() const;
 
  private:

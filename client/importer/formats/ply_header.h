@@ -28,9 +28,9 @@ std::size_t bytes_of(PlyType type);
 
 struct PlyProperty {
   std::string name;
-  PlyType type = PlyType::kFloat32;  ///< of a value
+  PlyType type = PlyType::kFloat32;  ///< a value's
   bool is_list = false;
-  PlyType length_type = PlyType::kUint8;  ///< of a list
+  PlyType length_type = PlyType::kUint8;  ///< a list's
 };
 
 struct PlyElement {

@@ -202,7 +202,7 @@ class PlyReader {
   PlyValues values_;
   std::array<std::size_t, 3> position_{};  // indices of the properties x, y, z
   std::uint64_t vertex_count_ = 0;
-  std::vector<double> list_;  // of the element that is read
+  std::vector<double> list_;  // values of the element that is read
   FileMesh mesh_;
   std::vector<Warning> warnings_;
 };

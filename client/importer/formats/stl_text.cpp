@@ -108,7 +108,7 @@ class StlTextReader {
     is_open_ = true;
   }
 
-  // Up to endfacet. A facet in which the file ends is left out.
+  // Reads a facet up to endfacet. One in which the file ends is left out.
   Status read_facet() {
     if (meshes_.empty() || !is_open_) begin_solid({});
     const std::uint64_t line = text_.line();

@@ -6,7 +6,7 @@
 
 namespace sightline::client::importer::formats {
 
-/// As read_stl, for a file that is text.
+/// Reads a file that is text, as read_stl does.
 Result<FileScene> read_stl_text(const SceneFile& file);
 
 /// Adds the vertex, and a corner with its number.

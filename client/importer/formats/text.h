@@ -11,7 +11,7 @@
 
 namespace sightline::client::importer::formats {
 
-/// At the start of a text in UTF-8.
+/// What may stand at the start of a text in UTF-8.
 inline constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 /// The next word of the text, which is removed from it. Blanks are spaces and tabs. Empty: there is
@@ -21,7 +21,7 @@ std::string_view take_word(std::string_view& text);
 std::string_view trimmed(std::string_view text);
 
 /// The value of a word that is a decimal number: the nearest double, or infinite if it is too
-/// large. Also nan, inf and 1.#INF. Nothing: the word is no number.
+/// large. nan, inf and 1.#INF are numbers, too. Nothing: the word is no number.
 std::optional<double> number(std::string_view word);
 
 /// The value of a word that is an integer.

@@ -25,7 +25,7 @@ enum class Component : std::uint16_t {
   kUint16 = 5123,
   kUint32 = 5125,
   kFloat = 5126,
-  kDouble = 5130,  ///< of KHR_accessor_float64
+  kDouble = 5130,  ///< for KHR_accessor_float64
 };
 
 /// A component as the number that it means: an integer of a normalised accessor is a share of the
@@ -52,7 +52,7 @@ class Accessors {
 
   struct Indices {
     std::vector<std::uint32_t> values;
-    std::uint32_t greatest = 0;  ///< of the type: reserved by the format
+    std::uint32_t greatest = 0;  ///< the type's greatest, which the format reserves
   };
   /// Refuses numbers that are no unsigned integers.
   Indices indices(std::uint64_t index, std::string_view by);
@@ -70,7 +70,7 @@ class Accessors {
     std::size_t width = 0;
     bool is_normalized = false;
     Elements elements;
-    std::vector<std::uint32_t> slots;  // of sparse elements
+    std::vector<std::uint32_t> slots;  // the slots of sparse elements
     Elements replaced;
   };
 

@@ -26,7 +26,7 @@ std::optional<std::uint64_t> integer_of(const json& value) {
   return static_cast<std::uint64_t>(number);
 }
 
-// Without the prefix with which the parser begins its messages.
+// The message without the prefix with which the parser begins.
 std::string reason(const json::exception& e) {
   const std::string_view said = e.what();
   const std::size_t begin = said.find("] ");

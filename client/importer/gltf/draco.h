@@ -14,7 +14,7 @@ namespace sightline::client::importer::gltf {
 
 struct DracoAttribute {
   std::size_t width = 0;
-  std::vector<double> values;  ///< of all vertices, `width` for each
+  std::vector<double> values;  ///< all vertices' values, `width` for each
 };
 
 struct DracoMesh {

@@ -81,7 +81,7 @@ std::vector<std::uint64_t> roots_of(const Document& document, const Family& fami
   return roots;
 }
 
-// Of each instance, its place in the frame of the node.
+// Each instance's place in the frame of the node.
 std::vector<Transform> instances_of(const Item& extension, Accessors& accessors) {
   const auto attributes = extension.object("attributes");
   if (!attributes) refuse("{}: attributes is missing", extension.where());

@@ -25,7 +25,7 @@ struct Nodes {
     std::uint32_t gltf = 0;
     std::uint32_t first = 0, count = 1;
   };
-  std::vector<Carrier> carriers;  ///< of the nodes that can be seen
+  std::vector<Carrier> carriers;  ///< the nodes that can be seen
 };
 
 /// The rows of a matrix that is stored by columns. Refuses one whose last row is not 0 0 0 1;
@@ -43,8 +43,7 @@ struct LocalTransform {
 };
 LocalTransform local_transform(const Item& node);
 
-/// The quaternion of length 1 with this direction; x y z w, as in the file. That of zeros is no
-/// rotation.
+/// The quaternion of length 1 with this direction; x y z w, as in the file. Zeros give no rotation.
 Quaternion rotation_of(const std::array<double, 4>& xyzw);
 
 /// Reads the scene that the file names, else its first one, and all nodes if it has no scenes.

@@ -22,7 +22,7 @@ class Primitive {
   /// Decompresses it, if it is compressed. All arguments must outlive this object.
   Primitive(const Item& item, const Document& document, Buffers& buffers, Accessors& accessors);
 
-  /// Without it there is nothing to read.
+  /// Whether there are positions: without them there is nothing to read.
   bool has_positions() const { return find("POSITION").has_value(); }
   Mode mode() const { return mode_; }
   std::vector<Point> vertices();

@@ -12,7 +12,7 @@
 
 namespace sightline::client::importer::sandbox {
 
-/// From the confined process.
+/// A message from the confined process.
 struct Request {
   enum class Kind : std::uint8_t {
     kOpen,         ///< `text` names a file; answered by a Reply
@@ -32,17 +32,17 @@ struct Request {
   std::string_view message() const;
 };
 
-/// To the confined process. A file that was opened comes with it.
+/// A message to the confined process. A file that was opened comes with it.
 struct Reply {
   std::uint64_t bytes = 0;   ///< size of the file
-  std::uint64_t number = 0;  ///< of the file, whatever its name
+  std::uint64_t number = 0;  ///< the file's number, whatever its name
 };
 
 struct Channel {
   FileHandle ours, theirs;
 };
 
-/// Nothing: no more file descriptors.
+/// Opens a channel. Nothing: there are no more file descriptors.
 std::optional<Channel> open_channel();
 
 /// Returns false if the other side is gone.

@@ -21,8 +21,8 @@
 namespace sightline::client::importer::sandbox {
 namespace {
 
-// Memory, time, locks, signals, and what needs a descriptor that is open already. UBSan looks
-// whether memory can be read by writing it to a pipe.
+// These calls are for memory, time, locks, signals, and what needs a descriptor that is open
+// already. UBSan looks whether memory can be read by writing it to a pipe.
 constexpr std::array kAllowed{SCMP_SYS(brk),
                               SCMP_SYS(munmap),
                               SCMP_SYS(mremap),

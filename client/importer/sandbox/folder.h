@@ -17,7 +17,7 @@
 
 namespace sightline::client::importer::sandbox {
 
-/// "FILE: why", as kInvalidArgument.
+/// The error "FILE: why", as kInvalidArgument.
 Error file_error(const std::filesystem::path& file, const std::string& why);
 
 /// Opens a regular file for reading; symbolic links are followed. Errors: kInvalidArgument, with
@@ -28,7 +28,7 @@ Result<FileHandle> open_regular(const std::filesystem::path& file);
 struct OpenedFile {
   FileHandle handle;
   std::uint64_t bytes = 0;   ///< its size, holes included
-  std::uint64_t number = 0;  ///< the same for the same file, whatever its name
+  std::uint64_t number = 0;  ///< the file's number, whatever its name
 };
 
 /// What a scene file may read: itself, and regular files in its folder and the folders below.
@@ -63,7 +63,7 @@ class SceneFolder {
   Allowance memory_;
   std::map<std::pair<std::uint64_t, std::uint64_t>, std::uint64_t> seen_;  // device, inode: number
   std::uint64_t bytes_ = 0;
-  std::uint64_t sizes_ = 0;  // of the same files, holes included
+  std::uint64_t sizes_ = 0;  // sizes of these files, holes included
   std::vector<std::string> refusals_;
 };
 

@@ -19,7 +19,7 @@ namespace sightline::client::importer::sandbox {
 /// What a child may use.
 struct Limits {
   Allowance memory{.fixed = std::uint64_t{1} << 30, .per_byte = 64};  ///< bytes
-  Allowance time_us{.fixed = 20'000'000, .per_byte = 4};              ///< of processor time
+  Allowance time_us{.fixed = 20'000'000, .per_byte = 4};              ///< processor time
 };
 
 /// The result of a child: whatever it wrote. It does not change any more.

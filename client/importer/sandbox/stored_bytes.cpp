@@ -11,7 +11,7 @@
 namespace sightline::client::importer::sandbox {
 namespace {
 
-constexpr std::uint64_t kBlock = 512;  // of st_blocks
+constexpr std::uint64_t kBlock = 512;  // the unit of st_blocks, in bytes
 
 /// The rest of a file of too many pieces, by what its file system has taken for it.
 std::uint64_t by_blocks(int file, std::uint64_t size) {

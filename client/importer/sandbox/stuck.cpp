@@ -19,8 +19,8 @@ struct ProcessTime {
   std::uint64_t ticks = 0;  // in user and in system mode
 };
 
-// Of proc(5), /proc/PID/stat: after the name in brackets come the state and ten numbers, then
-// these.
+// Reads /proc/PID/stat (see proc(5)): after the name in brackets come the state and ten numbers,
+// then the ticks.
 std::optional<ProcessTime> time_of(pid_t process) {
   std::ifstream file(fmt::format("/proc/{}/stat", process));
   const std::string text(std::istreambuf_iterator<char>(file), {});

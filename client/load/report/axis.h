@@ -30,7 +30,7 @@ class Axis {
  private:
   Axis(double low, double high, bool is_log) : low_(low), high_(high), is_log_(is_log) {}
 
-  double low_;  // of values, or of their logarithms
+  double low_;  // values, or their logarithms
   double high_;
   bool is_log_;
   std::vector<Tick> ticks_;

@@ -41,7 +41,7 @@ struct BarPlot {
     std::string label;
     std::vector<double> parts;
     std::string value;  ///< beside the bar
-    int colour = 0;     ///< of its first part; the next have the next ones
+    int colour = 0;     ///< its first part's; the next have the next ones
   };
   std::string title;
   std::vector<std::string> parts;  ///< names for a legend; empty: none

@@ -27,24 +27,24 @@ struct Findings {
 std::string label_of(const Row& row, const LoadOptions& options);
 /// The colour of a row's build, the same in all plots.
 int colour_of(BuildMode build);
-/// For sentences: what a build does.
+/// What a build does, in words for a sentence.
 std::string words_of(BuildMode build);
 
 /// The smallest and the largest coverage, or the only one.
 std::vector<double> extreme_coverages(const LoadOptions& options);
 /// The rows of a coverage that have answers.
 std::vector<const Row*> rows_at(const Findings& findings, double coverage);
-/// Those of the largest coverage.
+/// The rows of the largest coverage that have answers.
 std::vector<const Row*> widest_rows(const Findings& findings);
 
-// Each is nothing where the result does not have what it shows.
+// Each section is nothing where the result does not have what it shows.
 
 /// The time of cold runs by coverage, lazy against full.
 std::optional<Section> over_coverage(const Findings& findings);
 /// The time to the first n rays, lazy against full.
 std::optional<Section> over_rays(const Findings& findings);
 std::optional<Section> latency_by_percentile(const Findings& findings);
-/// Of warm runs.
+/// The latency of warm runs over time.
 std::optional<Section> latency_over_time(const Findings& findings);
 std::optional<Section> throughput(const Findings& findings);
 std::optional<Section> triangles_over_time(const Findings& findings);

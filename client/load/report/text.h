@@ -6,10 +6,10 @@
 
 namespace sightline::client::load::report {
 
-/// For text and for attributes of HTML and SVG.
+/// Escapes text for the content and the attributes of HTML and SVG.
 std::string escape(std::string_view text);
 
-/// With three digits and k, M, G: 1234567 is "1.23 M".
+/// The number with three digits and k, M, G: 1234567 is "1.23 M".
 std::string short_number(double value);
 /// 0.0123 is "12.3 ms".
 std::string duration(double seconds);

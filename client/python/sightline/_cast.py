@@ -28,7 +28,7 @@ class Piece(NamedTuple):
 
 
 def cast_once(connection: Connection, query: Query, rays: Rays, timeout: Optional[float]) -> codec.Answer:
-    """In one message, which the server's limits allow."""
+    """Casts in one message, which the server's limits allow."""
     parts = codec.request_parts(query.request.SerializeToString(), rays, 0, rays.count)
     return codec.answer(connection.call("CastRays", b"".join(parts), timeout, light=False,
                                          scene=query.request.scene))

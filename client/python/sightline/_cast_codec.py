@@ -103,7 +103,7 @@ class Answer:
 
 
 def answer(data: bytes) -> Answer:
-    """Of CastRays."""
+    """The answer of CastRays."""
     try:
         return Answer(memoryview(data))
     except ValueError as error:
@@ -111,7 +111,7 @@ def answer(data: bytes) -> Answer:
 
 
 def stream_answer(data: bytes) -> "tuple[int, Answer]":
-    """Of StreamCastRays: the number of the chunk that it answers, and the answer."""
+    """An answer of StreamCastRays: the number of the chunk that it answers, and the answer."""
     chunk, response = 0, memoryview(b"")
     try:
         for number, value in _wire.fields(memoryview(data)):

@@ -15,7 +15,7 @@ from ._query import OF_HITS, Query
 from .hits import AllHits, Hits, NameLookup, empty_columns
 from .rays import Rays, as_rays
 
-Progress = Callable[[int], None]  # is told how many more rays are answered
+Progress = Callable[[int], None]  # called with how many more rays are answered
 _MOST_GENERATED = 16384
 
 
@@ -152,7 +152,7 @@ def _is_last(piece: Piece) -> bool:
 
 def cast_generated(connection: Connection, query: Query, generator: Any, shape: "Tuple[int, ...]",
                    timeout: Optional[float], names: NameLookup) -> Hits:
-    """Rays that the server makes, of another kind than "all": as many as `shape` has elements."""
+    """Casts rays that the server makes, of another kind than "all": as many as `shape` has elements."""
     total = int(np.prod(shape))
     collector = _PerRay(query, total)
     source = generated(generator, total, _MOST_GENERATED)

@@ -27,9 +27,9 @@ from ._warnings import PrecisionWarning, warn
 
 _FAR = 16                    # steps
 _QUANTUM = 2.0 ** -24        # steps
-_LOSS = 1e-4                 # of a mesh's size: a step that rounds more than this is too coarse for it
+_LOSS = 1e-4                 # share of a mesh's size: a step that rounds more is too coarse for it
 _CHOSEN_LOSS = 1e-5          # for a step that no mesh of the scene has yet, so that smaller meshes may share it
-_USUAL = 2.0 ** -12          # of how far out a mesh lies: the step of most meshes there
+_USUAL = 2.0 ** -12          # share of the distance from zero: the step of most meshes
 _LARGER, _SMALLER = 16, 1/8  # times a step: for meshes that do not fit it, and for which it is too coarse
 Box = Tuple[np.ndarray, np.ndarray]
 
@@ -49,11 +49,11 @@ class Placement:
 
 
 class Lattice:
-    """That of one scene. Threads: any."""
+    """The lattice of one scene. Threads: any."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._boxes: "Dict[float, Box]" = {}  # of the meshes of each step
+        self._boxes: "Dict[float, Box]" = {}  # the box of the meshes of each step
         self._has_warned = False
         #: Meshes that Scene.add has sent, by digest and the origin that it was given.
         self.added: "Dict[Tuple[str, Tuple[float, ...]], Optional[Placement]]" = {}

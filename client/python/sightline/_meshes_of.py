@@ -19,7 +19,7 @@ _clients: "Dict[int, Client]" = {}  # by process: what a fork inherits cannot be
 
 
 def default_client() -> Client:
-    """One for all objects of this process, made when first needed. Errors: as of serve()."""
+    """The client of all objects of this process, made when first needed. Errors: as of serve()."""
     with _lock:
         client = _clients.get(os.getpid())
         if client is None:
@@ -36,7 +36,7 @@ class OwnScene:
         self._end = weakref.finalize(self, _delete, self.scene, os.getpid())
 
     def add(self, vertices: Any, faces: Any) -> Node:
-        """A mesh, kept on the lattice of this scene. The node is the one that hits name."""
+        """Adds a mesh, kept on the lattice of this scene. The node is the one that hits name."""
         digest, placement = self.scene._upload((vertices, faces))
         return self.scene.put(digest, transform=None if placement is None else translation(placement.origin))
 

@@ -23,7 +23,7 @@ def intrinsic_rays(intrinsic_matrix: Any, extrinsic_matrix: Any, width_px: int, 
 
 
 def look_at(fov_deg: float, center: Any, eye: Any, up: Any, width_px: int, height_px: int) -> np.ndarray:
-    """The same for a camera at `eye` that looks at `center`, with an angle from its left to its right edge. `up` is the
+    """Rays of a camera at `eye` that looks at `center`, with an angle from its left to its right edge. `up` is the
     frame's y axis, which rows count along: the first row is the farthest from it."""
     position, ahead = np.asarray(eye, "f8"), np.asarray(center, "f8") - np.asarray(eye, "f8")
     right = np.cross(np.asarray(up, "f8"), ahead)

@@ -13,13 +13,13 @@ from .rays import Rays
 if TYPE_CHECKING:
     from .scene import Scene
 
-_MAX_SPACING = 1e-6  # of the scene's diagonal, as the command has it
+_MAX_SPACING = 1e-6  # share of the scene's diagonal, as the command has it
 _SAMPLE = 65536      # origins that are looked at
 
 
 def warn_of_origins(scene: "Scene", rays: Rays, token: str) -> None:
-    """A PrecisionWarning if origins are float32, or less, and so far out that its values there are far apart for this
-    scene. `token`: of the revision that was cast at."""
+    """Gives a PrecisionWarning if origins are float32, or less, and so far out that its values there are far apart for
+    this scene. `token`: that of the revision that was cast at."""
     if rays.origin_type.kind != "f" or rays.origin_type.itemsize > 4 or not rays.count:
         return
     reach, spacing = _reach(rays)

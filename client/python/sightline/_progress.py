@@ -9,7 +9,7 @@ from typing import Any, Callable, Iterator, Optional, Union
 @contextlib.contextmanager
 def reporter(progress: "Union[bool, Callable[[int, Optional[int]], Any]]",
              total: Optional[int]) -> "Iterator[Callable[[int], None]]":
-    """What is to be told of each part that is done. `progress`: a function of (done, total), where total is None if
+    """A function to call with each part that is done. `progress`: a function of (done, total), where total is None if
     it is not known; or True, a bar by tqdm, nothing without tqdm."""
     if not isinstance(progress, bool):
         done, tell = 0, progress

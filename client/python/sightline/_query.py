@@ -53,9 +53,9 @@ class Query(NamedTuple):
     """A cast without its rays."""
 
     kind: str
-    columns: Tuple[str, ...]  # that the answer has
+    columns: Tuple[str, ...]  # columns of the answer
     request: Any              # a CastRaysRequest
-    most: Optional[int] = None  # of kind "all", hits of a ray; None: any number
+    most: Optional[int] = None  # hits of a ray, for kind "all"; None: any number
     hidden: Tuple[str, ...] = ()  # columns that were not asked for
 
     def needs_more(self) -> bool:
@@ -63,7 +63,7 @@ class Query(NamedTuple):
         return self.kind == "all" and (self.most is None or self.most > MOST_LISTED)
 
     def again(self, revision: int, end_of_budget: Optional[float]) -> "Query":
-        """For the rest of the hits: at this revision, as many as an answer lists, within what is left of the budget."""
+        """The query for the rest of the hits: at this revision, as many as an answer lists, within the budget's rest."""
         request = _proto.CastRaysRequest()
         request.CopyFrom(self.request)
         request.max_hits = MOST_LISTED

@@ -15,7 +15,7 @@ _FIRST_DOUBLED = 3    # refusals in a row from which on pauses grow
 
 
 class Retries:
-    """For one call, attempt after attempt. `deadline`: of time.monotonic(), that no pause passes; None: none."""
+    """The retries of one call. `deadline`: a time.monotonic() that no pause passes; None: none."""
 
     def __init__(self, deadline: Optional[float] = None):
         self._deadline = deadline
@@ -49,7 +49,7 @@ class Retries:
 
 
 def sleep(seconds: float) -> None:
-    """Errors: Cancelled, as soon as the task of sightline.aio is cancelled that the call belongs to."""
+    """Sleeps. Errors: Cancelled, as soon as the task of sightline.aio is cancelled that the call belongs to."""
     calls = scope.get()
     if calls is None:
         time.sleep(seconds)

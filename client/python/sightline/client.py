@@ -59,7 +59,7 @@ class Client:
     def __init__(self, connection: Connection):
         self._connection = connection
         self._limits: Optional[Any] = None
-        self._lattices: "Dict[str, Lattice]" = {}  # of scenes by name
+        self._lattices: "Dict[str, Lattice]" = {}  # the lattices of scenes, by name
         self._diagonals: "Dict[str, Tuple[str, float]]" = {}  # and the revision's token, of scenes by name
 
     def __enter__(self) -> "Client":
@@ -108,11 +108,11 @@ class Client:
         self._lattices.pop(resource_name(name), None)
 
     def _lattice(self, name: str) -> Lattice:
-        """That of a scene by its full name, for what this client adds to it."""
+        """The lattice of a scene by its full name, for what this client adds to it."""
         return self._lattices.setdefault(name, Lattice())
 
     def scenes(self, project: str = "default") -> List[SceneInfo]:
-        """What there is in a project, by name."""
+        """The scenes of a project, by name."""
         return list(self._pages(project))
 
     list_scenes = scenes
@@ -152,7 +152,7 @@ class Client:
         return Scene(self, made.name)
 
     def _put_scene(self, scene: Any, nodes: "List[Any]", replace: bool) -> bool:
-        """In one step. False: the server does not have the call."""
+        """Makes the scene in one step. False: the server does not have the call."""
         if "PutScene" not in _proto.methods:
             return False
         request = _proto.PutSceneRequest(scene=scene, replace=replace, nodes=nodes, finish=True)

@@ -23,8 +23,8 @@ class _Answer:
     def __init__(self, shape: Tuple[int, ...], columns: "Dict[str, np.ndarray]", revision: int, token: str,
                  stats: "Dict[str, int]", rays: Optional[Rays], names: NameLookup):
         self.shape = shape  #: leading shape of the rays
-        self.revision = revision  #: of the scene, that answered
-        self.token = token  #: of this revision, for `at_least`
+        self.revision = revision  #: the revision of the scene that answered
+        self.token = token  #: that revision's token, for `at_least`
         self.stats = stats  #: what the cast cost: rays, hits, invalid, cells_expanded, build_us, trace_us, ...
         self._columns = columns
         self._rays = rays
@@ -67,7 +67,7 @@ class _Answer:
         return self._shaped(self._column("normal"))
 
     def _ends(self, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
-        """As the server computes HIT_FIELD_POSITION."""
+        """The points of hits, as the server computes HIT_FIELD_POSITION."""
         t = self._column("t")
         with np.errstate(invalid="ignore", over="ignore"):
             ends = origins.astype("f8", copy=False) + t[:, None] * directions.astype("f8", copy=False)

@@ -17,7 +17,7 @@ from ._warnings import PrecisionWarning, warn
 _CHUNK = 1 << 20  # bytes of an upload in one message
 _ATTEMPTS = 4
 _NO_TRIANGLE = 0xFFFFFFFF  # all three indices of a face that holds no triangle
-_LOSS = 1e-4  # of the mesh's size, that rounding vertices to float32 may cost without a warning
+_LOSS = 1e-4  # share of the mesh's size that rounding vertices to float32 may cost without a warning
 
 
 class Mesh:

@@ -34,7 +34,7 @@ class RaycastingScene:
 
     def __init__(self, nthreads: int = 0, device: Any = None, *, client: Optional[Client] = None):
         self._own = OwnScene(client)
-        self._nodes: "List[int]" = []  # of geometry ids; node ids rise, too
+        self._nodes: "List[int]" = []  # the nodes of geometry ids; node ids rise, too
 
     def add_triangles(self, vertex_positions: Any, triangle_indices: Any = None) -> int:
         """Adds a mesh, positions (v, 3) and indices (f, 3), or an object that has them. Returns its geometry id, from 0
@@ -134,7 +134,7 @@ def _distances(t: np.ndarray) -> np.ndarray:
 
 
 def _arrays_of(mesh: Any) -> "tuple[Any, Any]":
-    """Of a mesh with tensors (`vertex`, `triangle`), with arrays of the older kind, or with `vertices` and `faces`."""
+    """The arrays of a mesh with tensors (`vertex`, `triangle`), with older arrays, or with `vertices` and `faces`."""
     if hasattr(mesh, "vertex") and hasattr(mesh, "triangle"):
         return mesh.vertex["positions"], mesh.triangle["indices"]
     if hasattr(mesh, "vertices") and hasattr(mesh, "triangles"):

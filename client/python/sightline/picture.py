@@ -20,7 +20,7 @@ _FROM = {"y": (1.0, 0.7, 0.8), "z": (0.8, -1.0, 0.7)}  # where the default eye i
 _UP = {"y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _MARGIN = 1.05
 _BACKGROUND = 255
-_DARKEST = 0.35  # of a surface seen edge-on
+_DARKEST = 0.35  # brightness of a surface seen edge-on
 
 
 class Picture:

@@ -54,7 +54,7 @@ class SceneInfo:
 
     @classmethod
     def of(cls, scene: Any) -> "SceneInfo":
-        """From a message Scene."""
+        """The SceneInfo of a message Scene."""
         counts = {name: getattr(scene, name) for name in (
             "nodes", "instances", "meshes", "triangles_unique", "triangles_instanced", "triangles_nonfinite",
             "bytes_geometry", "meters_per_unit")}
@@ -192,7 +192,7 @@ class Scene:
 
     def put(self, digest: str, *, name: str = "", parent: AnyNode = 0, transform: Any = None,
             origin: Any = (0.0, 0.0, 0.0), mobility: Optional[str] = None, mask: Optional[int] = None) -> Node:
-        """The same for a mesh that the server has, by its digest; "": a group. origin: as given to the add() of this
+        """A new node with a mesh that the server has, by its digest; "": a group. origin: as given to the add() of this
         program that sent the mesh, or Node.origin of its node."""
         point = tuple(np.asarray(origin, "f8").reshape(3).tolist())
         placement = Placement(np.array(point), math.inf) if digest and any(point) else None

@@ -12,7 +12,7 @@ from ._connection import Connection
 from ._retries import Retries
 from .nodes import patches
 
-_MESSAGE_BYTES = 1 << 20  # of a message of a batch
+_MESSAGE_BYTES = 1 << 20  # the most in a message of a batch
 _ATTEMPTS = 8  # to open the call, without an answer between them
 _FIRST_PAUSE = 0.1  # seconds; doubled after each attempt
 _LONGEST_PAUSE = 2.0
@@ -38,7 +38,7 @@ class UpdateStream:
         self._lock = threading.RLock()  # entering a condition by itself could be interrupted half way
         self._changed = threading.Condition(self._lock)
         self._batches: "Deque[Tuple[int, List[Any]]]" = deque()  # not answered yet
-        self._attempt = 0          # of opening the call
+        self._attempt = 0          # attempts to open the call
         self._opened = 0           # the attempt that is open
         self._window = 0
         self._answered = 0         # the last sequence number that was

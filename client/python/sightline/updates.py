@@ -69,7 +69,7 @@ def as_matrix(transform: Any) -> np.ndarray:
 
 
 def ids(nodes: "Iterable[Any]") -> "List[int]":
-    """Of nodes or numbers."""
+    """The ids of nodes or numbers."""
     return [operator.index(node) for node in nodes]
 
 

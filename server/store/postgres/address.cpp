@@ -23,7 +23,7 @@ constexpr std::array<std::pair<const char*, const char*>, 5> kDefaults{{
     {"keepalives_count", "3"},
     {"tcp_user_timeout", "10000"},
 }};
-/// What it may not.
+/// What the address may not overrule.
 constexpr std::array<std::pair<const char*, const char*>, 3> kFixed{{
     {"target_session_attrs", "read-write"},
     {"application_name", "sightlined"},

@@ -10,19 +10,19 @@
 
 namespace sightline::server::store::postgres {
 
-/// May hold a password, which text() does not show.
+/// An address may hold a password, which text() does not show.
 class Address {
  public:
   /// `uri`: postgresql://[USER[:PASSWORD]@]HOST[:PORT][,HOST[:PORT]...]/[DATABASE][?NAME=VALUE...],
-  /// as libpq defines it. Of several hosts the one is used that takes writes. What it leaves out
-  /// comes from libpq's environment and password file. Errors: kInvalidArgument (BAD_STORE), which
-  /// never shows the text.
+  /// as libpq defines it. The host that takes writes is used. What it leaves out comes from libpq's
+  /// environment and password file. Errors: kInvalidArgument (BAD_STORE), which never shows the
+  /// text.
   static Result<Address> parse(std::string_view uri);
 
-  /// For people: postgresql://USER@HOST:PORT,.../DATABASE.
+  /// The address for people: postgresql://USER@HOST:PORT,.../DATABASE.
   std::string text() const;
 
-  /// For libpq: names and values.
+  /// The names and values for libpq.
   const std::vector<std::pair<std::string, std::string>>& parameters() const { return parameters_; }
 
  private:

@@ -81,7 +81,7 @@ void Compactor::compact() {
   }
 }
 
-/// A transaction. Returns whether there may be more to do.
+/// Runs one transaction. Returns whether there may be more to do.
 Result<bool> Compactor::step(bool first) {
   bool more = false;
   const Status done = pool_.write([&](Database& database) -> Status {

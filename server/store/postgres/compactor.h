@@ -19,7 +19,7 @@ inline constexpr std::chrono::seconds kCompactEvery{30};
 /// A thread, which works while it holds a lease. Threads: any, for every member.
 class Compactor {
  public:
-  /// `pool` outlives this object. `name`: of this process, for the lease.
+  /// `pool` outlives this object. `name`: this process's, for the lease.
   Compactor(Pool& pool, std::string name);
   ~Compactor();
   Compactor(const Compactor&) = delete;

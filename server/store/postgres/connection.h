@@ -21,8 +21,8 @@ struct pg_result;
 namespace sightline::server::store::postgres {
 
 /// A call that has no answer after a time ends with STORE_IO, and the connection is lost: it cannot
-/// be used any more. So it is when the server ends it, or takes no writes any more. Reasons of
-/// errors beside those of Database: STORE_CONFLICT (kUnavailable: another transaction was in the
+/// be used any more. It is lost, too, when the server ends it or takes no writes any more. Reasons
+/// of errors beside those of Database: STORE_CONFLICT (kUnavailable: another transaction was in the
 /// way; the same one may succeed later).
 class Connection final : public Database {
  public:
@@ -37,7 +37,7 @@ class Connection final : public Database {
   bool shared() const override { return true; }
   Error corrupt(std::string_view what) const override;
 
-  /// Success if the transaction is kept; after an error without lost(), it is not.
+  /// Ends the transaction. Success if it is kept; after an error without lost(), it is not.
   Status commit();
 
   /// Begins, calls use(*this) and commits, or rolls back if that fails. `begin`: the statement that
@@ -49,7 +49,7 @@ class Connection final : public Database {
   int backend() const;
 
   struct Notice {
-    int backend = 0;  ///< Of the connection that has sent it.
+    int backend = 0;  ///< The process of the connection that sent it.
     std::string text;
   };
   /// Waits for what other connections have sent on channels that this one listens to. Returns all

@@ -21,7 +21,7 @@ std::span<const std::byte> sum_bytes(const blobs::BlobDigest& digest) {
   return std::as_bytes(std::span(digest.sum));
 }
 
-/// It is garbage when the transaction ends.
+/// Makes the content garbage when the transaction ends.
 Status drop_content(Database& database, std::int64_t content) {
   return database.execute("UPDATE content SET named = 0, begun = 0 WHERE id = ?", content);
 }
@@ -88,8 +88,8 @@ Result<std::optional<std::int64_t>> find_content(Database& database,
                          digest.size);
 }
 
-/// A row that has to be touched is waited for, in the order of all who ask: one that is being swept
-/// is gone then. Where none has to, nothing is written.
+/// Waits for the rows that have to be touched, in an order that all callers share: one that is
+/// being swept is gone then. Writes nothing if no row has to be touched.
 Result<std::set<blobs::BlobDigest>> find_and_touch(Database& database,
                                                    std::span<const blobs::BlobDigest> digests,
                                                    std::chrono::milliseconds every) {

@@ -32,8 +32,8 @@ Status insert_blob_of_chunk(Database& database, const blobs::BlobDigest& digest,
 /// The content of a blob; nothing if it is not stored.
 Result<std::optional<std::int64_t>> find_content(Database& database,
                                                  const blobs::BlobDigest& digest);
-/// Those that are stored. The grace period of those that were not asked for within `every` begins
-/// anew.
+/// The digests that are stored. The grace period of those that were not asked for within `every`
+/// begins anew.
 Result<std::set<blobs::BlobDigest>> find_and_touch(Database& database,
                                                    std::span<const blobs::BlobDigest> digests,
                                                    std::chrono::milliseconds every);

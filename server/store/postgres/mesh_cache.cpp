@@ -43,7 +43,7 @@ Result<Locked> lock_named(FileSystem& files, const fs::path& directory) {
       "DATA_DIR_IN_USE"};
 }
 
-/// What a process that has ended left behind is used again.
+/// Locks a temporary directory. One that a process which has ended left behind is used again.
 Result<Locked> lock_own(FileSystem& files) {
   std::error_code error;
   const fs::path parent = fs::temp_directory_path(error);
@@ -59,7 +59,7 @@ Result<Locked> lock_own(FileSystem& files) {
     auto lock = files.lock(fs::path(fresh) / kLock);
     if (lock) return Locked{fresh, std::move(*lock)};
     if (lock.error().reason != "LOCKED" && files.exists(fresh)) return lock.error();
-    // Else another took it for one that was left behind.
+    // Another process took the directory for one that was left behind.
   }
 }
 
@@ -164,7 +164,7 @@ Result<std::unique_ptr<MappedFile>> MeshCache::Copy::keep(const blobs::BlobDiges
                  fmt::format("the bytes that arrived are not those of {}", digest.text()),
                  "DIGEST_MISMATCH"};
   }
-  // Mapped first: it may be dropped as soon as it has a name.
+  // The file is mapped first: it may be dropped as soon as it has a name.
   auto mapped = cache_.files_.map(fresh_.path);
   if (!mapped) return mapped;
   if (const Status named = cache_.blobs_.name(fresh_, digest); !named) return named.error();

@@ -18,9 +18,9 @@
 
 namespace sightline::server::store::postgres {
 
-/// When it holds more than StoreLimits::cache_bytes, those go that were used least lately. What it
-/// loses is fetched again: nothing waits for its disk. A temporary directory ends with the object;
-/// that of a process that was killed serves the next one. Threads: any.
+/// When it holds more than StoreLimits::cache_bytes, the least recently used go. What it loses is
+/// fetched again: nothing waits for its disk. A temporary directory ends with the object; that of a
+/// process that was killed serves the next one. Threads: any.
 class MeshCache {
  public:
   /// Uses a directory alone, which is made if it is missing; its parent exists. An empty path: one
@@ -47,8 +47,8 @@ class MeshCache {
     Copy& operator=(const Copy&) = delete;
 
     Status append(std::span<const std::byte> bytes);
-    /// The bytes that were appended. Call it once, as the last. Errors: kDataLoss
-    /// (DIGEST_MISMATCH), those of FileSystem.
+    /// Keeps the bytes that were appended, and maps them. Call it once, as the last. Errors:
+    /// kDataLoss (DIGEST_MISMATCH), those of FileSystem.
     Result<std::unique_ptr<MappedFile>> keep(const blobs::BlobDigest& digest);
 
    private:

@@ -139,7 +139,7 @@ std::vector<bool> Meshes::has(std::span<const blobs::BlobDigest> digests) {
   const std::lock_guard lock(mutex_);
   for (std::size_t i = 0; i < digests.size(); ++i)
     there[i] = found.contains(digests[i]) && !corrupt_.contains(digests[i]);
-  return there;  // one that is damaged can be stored again
+  return there;  // a damaged blob can be stored again
 }
 
 Result<std::shared_ptr<const BlobBytes>> Meshes::get(const blobs::BlobDigest& digest) {

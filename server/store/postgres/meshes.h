@@ -25,18 +25,19 @@ namespace sightline::server::store::postgres {
 /// The members are documented in store.h. Threads: any, for every member.
 class Meshes {
  public:
-  /// All arguments outlive this object. `name`: of this process, for leases.
+  /// All arguments outlive this object. `name`: this process's, for leases.
   Meshes(Pool& pool, Writer& writer, MeshCache& cache, std::string name)
       : pool_(pool), writer_(writer), cache_(cache), name_(std::move(name)) {}
 
   Result<std::unique_ptr<BlobWriter>> write(const blobs::BlobDigest& digest);
-  /// One statement for all. What was not asked for lately is written, once.
+  /// Asks with one statement for all. It writes only the rows of blobs that were not asked for
+  /// lately.
   std::vector<bool> has(std::span<const blobs::BlobDigest> digests);
   Result<std::shared_ptr<const BlobBytes>> get(const blobs::BlobDigest& digest);
   /// One process sweeps at a time: another one's call removes nothing.
   Result<std::uint64_t> sweep(std::chrono::steady_clock::duration grace,
                               const std::function<bool(const blobs::BlobDigest&)>& in_use);
-  /// Nothing, if they cannot be read.
+  /// The totals; 0 if they cannot be read.
   BlobTotals totals();
 
  private:

@@ -37,7 +37,7 @@ Status Pool::ask_much(const std::function<Status(Database&)>& ask) {
   return read_once(ask);
 }
 
-/// With another connection, if one is lost.
+/// Calls use() with a connection; with another one if that is lost.
 Status Pool::with_any(const std::function<Status(Connection&)>& use) {
   Status done;
   // Connections that were idle may all have been lost without having been noticed.

@@ -15,9 +15,9 @@
 
 namespace sightline::server::store::postgres {
 
-/// At a time; more callers wait.
+/// Connections at a time; more callers wait.
 inline constexpr std::size_t kPoolConnections = 4;
-/// Of these, at a time, for statements that take long.
+/// How many of these may run statements that take long, at a time.
 inline constexpr std::size_t kLongConnections = 2;
 /// After an attempt to connect has failed, others fail at once for this long.
 inline constexpr std::chrono::milliseconds kConnectPause{500};
@@ -29,11 +29,12 @@ class Pool final : public Reader {
   explicit Pool(const Address& address) : address_(address) {}
 
   /// Calls ask(Database&), which reads by one statement: that needs no transaction, whose beginning
-  /// and end are round trips. Tried again if the connection is lost. Errors: those of ask().
+  /// and end are round trips. ask() is called again if the connection is lost. Errors: those of
+  /// ask().
   Status read_once(const std::function<Status(Database&)>& ask);
 
-  /// The same for a statement that takes long: kLongConnections of these
-  /// run at a time, and leave connections for others.
+  /// Calls ask(Database&) as read_once() does, for a statement that takes long: kLongConnections of
+  /// these run at a time, and leave connections for others.
   Status ask_much(const std::function<Status(Database&)>& ask);
 
   /// Calls use(Database&) in a transaction of its own. If the connection is lost, it is unknown
@@ -44,7 +45,7 @@ class Pool final : public Reader {
   using Pointer = std::unique_ptr<Connection>;
   using Clock = std::chrono::steady_clock;
 
-  /// What a read sees is of one instant. Tried again if the connection is lost.
+  /// What a read sees is of one instant. use() is called again if the connection is lost.
   Status lend(const Use& use) override;
 
   Status with_any(const std::function<Status(Connection&)>& use);
@@ -59,7 +60,7 @@ class Pool final : public Reader {
   std::vector<Pointer> idle_;
   std::size_t lent_ = 0;
   std::size_t long_ = 0;          // statements that take long
-  std::optional<Error> failure_;  // of the last attempt to connect
+  std::optional<Error> failure_;  // why the last attempt to connect failed
   Clock::time_point failed_;
 };
 

@@ -7,9 +7,9 @@
 
 namespace sightline::server::store::postgres {
 
-/// kUnavailable (STORE_IO): there is no connection to `database`.
+/// The error kUnavailable (STORE_IO): there is no connection to `database`.
 Error unreachable(std::string_view database, std::string_view why);
-/// kDataLoss (STORE_CORRUPT). `what`: of the database is damaged.
+/// The error kDataLoss (STORE_CORRUPT). `what`: which part of the database is damaged.
 Error damaged(std::string_view database, std::string_view what);
 /// An error that the server has answered with. `state`: its SQLSTATE.
 Error sql_error(std::string_view database, std::string_view state, std::string_view message);

@@ -12,10 +12,10 @@
 namespace sightline::server::store::postgres {
 namespace {
 
-/// One process at a time makes tables: a lock of this number.
+/// The number of the lock under which one process at a time makes tables.
 constexpr std::int64_t kTablesLock = 0x534C7374;
 
-// As those of the embedded form (server/store/schema.cpp), and beside them: the bytes of blobs
+// The tables of the embedded form (server/store/schema.cpp), and beside them: the bytes of blobs
 // (`content`, named by at most one blob), the last transaction of each writer, and leases. Numbers
 // are of 64 bits, since the program binds no others. Names compare by their bytes.
 constexpr const char* kMakeTables = R"(
@@ -182,14 +182,14 @@ constexpr const char* kFence = R"(
     WHEN (NEW.seal = 0) EXECUTE FUNCTION sightline_fence();
 )";
 
-/// Which tables of which database of which cluster these are. A dump that is restored is elsewhere,
-/// while a standby that is promoted is not.
+/// Asks which tables of which database of which cluster these are. A dump that is restored is
+/// elsewhere, while a standby that is promoted is not.
 constexpr const char* kHome =
     "SELECT concat_ws('/', (SELECT system_identifier FROM pg_control_system()), "
     "(SELECT oid FROM pg_database WHERE datname = current_database()), "
     "CAST(CAST('sightline_store' AS regclass) AS oid)), home FROM sightline_store";
 
-/// No token of before is taken any more.
+/// Renews all scenes: older tokens are not taken any more.
 Status renew_all(Connection& connection) {
   const auto scenes = scan_scenes(connection);
   if (!scenes) return scenes.error();
@@ -200,7 +200,7 @@ Status renew_all(Connection& connection) {
   return {};
 }
 
-/// `known`: it has a home. Else it is here.
+/// Checks that the tables are where they were made. `known`: they have a home; else it is here.
 Status check_home(Connection& connection, bool known) {
   std::string here;
   std::string home;

@@ -6,7 +6,7 @@
 
 namespace sightline::server::store::postgres {
 
-/// Of the tables that this program writes.
+/// The version of the tables that this program writes.
 inline constexpr int kTablesVersion = 2;
 
 /// Makes the tables, if there are none, or brings those of an older version up to this one: servers

@@ -67,7 +67,7 @@ Status Watcher::follow(bool& connected) {
   while (!ending_) {
     const auto notices = (*connection)->wait(static_cast<int>(kWatchEvery.count()));
     if (!notices) return notices.error();
-    // Also where notices never end.
+    // This happens also where notices never end.
     if (notices->empty() || Clock::now() - all_changed >= kWatchEvery) {
       changed_({});
       all_changed = Clock::now();

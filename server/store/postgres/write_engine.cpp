@@ -10,7 +10,7 @@
 namespace sightline::server::store::postgres {
 namespace {
 
-/// Between two attempts to connect.
+/// The pause between two attempts to connect.
 constexpr std::chrono::milliseconds kRetryPause{200};
 /// The most bytes that a notice may have.
 constexpr std::size_t kMaxNotice = 7000;
@@ -30,7 +30,7 @@ Status WriteEngine::begin(std::span<const SceneId> scenes) {
   backend_ = connection_->backend();
   begun_ = true;
   if (scenes.empty()) return {};
-  // In the same order by all writers, so that none waits for another that waits for it.
+  // All writers lock in the same order, so that none waits for another that waits for it.
   const std::string ids = fmt::format("{{{}}}", fmt::join(scenes, ","));
   return connection_->execute(
       "SELECT id FROM scene WHERE id = ANY(CAST(? AS BIGINT[])) ORDER BY id FOR UPDATE", ids);
@@ -49,12 +49,12 @@ Status WriteEngine::commit() {
   return committed;
 }
 
-/// After an error that it was worth to connect again for, nothing of the transaction is kept.
+/// After these errors nothing of the transaction is kept.
 bool WriteEngine::can_repeat(const Error& error) const {
   return error.reason == "STORE_CONFLICT" || (begun_ && error.reason == "STORE_IO");
 }
 
-/// Wakes those who follow the scenes. If it is lost, they notice later.
+/// Notifies the processes that follow the scenes. If the notice is lost, they notice later.
 void WriteEngine::settle(bool /*tight*/) {
   if (!kept_ || scenes_.empty() || connection_->lost()) return;
   std::string ids = fmt::format("{}", fmt::join(scenes_, " "));

@@ -22,7 +22,7 @@ inline constexpr std::chrono::seconds kReconnectFor{5};
 /// a commit, that row says whether the transaction is kept: commit() waits until a server tells.
 class WriteEngine final : public Engine {
  public:
-  /// `name`: of the row; no other writer ever has it. `address` outlives this object.
+  /// `name`: the row's; no other writer ever has it. `address` outlives this object.
   WriteEngine(const Address& address, std::unique_ptr<Connection> connection, std::string name)
       : address_(address), name_(std::move(name)), connection_(std::move(connection)) {}
 
@@ -32,7 +32,7 @@ class WriteEngine final : public Engine {
   Status begin(std::span<const SceneId> scenes) override;
   /// Errors: also kUnavailable (OUTCOME_UNKNOWN), after stop() only.
   Status commit() override;
-  /// Each is a round trip.
+  /// Each savepoint is a round trip.
   bool avoids_savepoints() const override { return true; }
   bool can_repeat(const Error& error) const override;
   void failed(const Error& /*error*/) override {}
@@ -42,7 +42,7 @@ class WriteEngine final : public Engine {
 
   // Threads: any, for the rest.
 
-  /// Nothing waits for a server any more.
+  /// From now on nothing waits for a server.
   void stop();
   /// Errors: kUnavailable, while a commit waits for a server that tells its outcome.
   Status available() const;
@@ -58,7 +58,7 @@ class WriteEngine final : public Engine {
   const Address& address_;
   const std::string name_;
   std::unique_ptr<Connection> connection_;  // never null, but it may be lost
-  std::vector<SceneId> scenes_;             // of the transaction
+  std::vector<SceneId> scenes_;             // what the transaction changes
   std::int64_t transaction_ = 0;            // its number
   bool begun_ = false;                      // the connection was good when it began
   bool kept_ = false;                       // the last transaction is
