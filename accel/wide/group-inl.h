@@ -48,7 +48,7 @@ class Group {
     read_limits();
   }
 
-  struct Place {
+  struct Entry {
     float t;
     std::uint32_t lanes;
     Child at;
@@ -56,10 +56,10 @@ class Group {
 
   void walk(Child root) { walk_tree(*this, {0, group_, root}); }
 
-  HWY_INLINE bool visit_node(Place& place, Stack<Place>& stack) {
-    const kdtree::WideNode& node = *place.at.node();
-    walked_.counters.steps += static_cast<std::uint64_t>(std::popcount(place.lanes));
-    count(place.lanes, 1);
+  HWY_INLINE bool visit_node(Entry& entry, Stack<Entry>& stack) {
+    const kdtree::WideNode& node = *entry.at.node();
+    walked_.counters.steps += static_cast<std::uint64_t>(std::popcount(entry.lanes));
+    count(entry.lanes, 1);
     Boxes in;
     std::uint32_t met = boxes_.met(node, farthest_, in);
     alignas(64) std::array<float, kdtree::kWidth> t;
@@ -67,9 +67,9 @@ class Group {
     const std::size_t base = stack.size();
     for (; met != 0; met &= met - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(met));
-      const std::uint32_t lanes = place.lanes & meeting(node, i);
+      const std::uint32_t lanes = entry.lanes & meeting(node, i);
       if (lanes == 0) continue;
-      const Place child{t[i], lanes, place.at.child(i)};
+      const Entry child{t[i], lanes, entry.at.child(i)};
       if constexpr (kGoal == Goal::kAny) {
         stack.push(child);
       } else {
@@ -77,36 +77,36 @@ class Group {
       }
     }
     if (stack.size() == base) return false;
-    place = stack.pop();
+    entry = stack.pop();
     return true;
   }
 
-  HWY_INLINE bool enter(Place& place) {
-    place.at = wide::enter(place.at, place.lanes, walked_.leaf);
-    if (!place.at) read_limits();
-    return static_cast<bool>(place.at);
+  HWY_INLINE bool enter(Entry& entry) {
+    entry.at = wide::enter(entry.at, entry.lanes, walked_.leaf);
+    if (!entry.at) read_limits();
+    return static_cast<bool>(entry.at);
   }
 
   /// Few rays go on one by one.
-  HWY_INLINE bool part(const Place& place) {
-    if (std::popcount(place.lanes) >= together_) return false;
-    for (std::uint32_t left = place.lanes; left != 0 && !packet_.stopped; left &= left - 1)
-      Single<kGoal>(walked_, static_cast<std::size_t>(std::countr_zero(left))).walk(place.at);
+  HWY_INLINE bool part(const Entry& entry) {
+    if (std::popcount(entry.lanes) >= together_) return false;
+    for (std::uint32_t left = entry.lanes; left != 0 && !packet_.stopped; left &= left - 1)
+      Single<kGoal>(walked_, static_cast<std::size_t>(std::countr_zero(left))).walk(entry.at);
     read_limits();
     return true;
   }
 
   HWY_INLINE bool is_done() const { return packet_.stopped; }
 
-  HWY_INLINE bool matters(Place& place) const {
-    if (place.t > farthest_) return false;
-    place.lanes &= kGoal == Goal::kAny ? ~packet_.best->found : Floats::set(place.t) <= t_out_;
-    return place.lanes != 0;
+  HWY_INLINE bool matters(Entry& entry) const {
+    if (entry.t > farthest_) return false;
+    entry.lanes &= kGoal == Goal::kAny ? ~packet_.best->found : Floats::set(entry.t) <= t_out_;
+    return entry.lanes != 0;
   }
 
-  void visit_block(const Place& place) {
-    const std::uint32_t* const words = place.at.block();
-    std::uint32_t lanes = place.lanes;
+  void visit_block(const Entry& entry) {
+    const std::uint32_t* const words = entry.at.block();
+    std::uint32_t lanes = entry.lanes;
     const blocks::Block block(words);
     walked_.counters.tests += block.triangles * static_cast<std::uint64_t>(std::popcount(lanes));
     count(lanes, block.triangles);

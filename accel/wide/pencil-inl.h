@@ -97,7 +97,7 @@ class Pencil {
     set_range();
   }
 
-  struct Place {
+  struct Entry {
     float t;  // a depth
     Child at;
   };
@@ -110,9 +110,9 @@ class Pencil {
     return true;
   }
 
-  HWY_INLINE bool visit_node(Place& place, Stack<Place>& stack) {
+  HWY_INLINE bool visit_node(Entry& entry, Stack<Entry>& stack) {
     ++nodes_;
-    const kdtree::WideNode& node = *place.at.node();
+    const kdtree::WideNode& node = *entry.at.node();
     Boxes begin;
     std::uint32_t met = boxes_.met(node, nearest_, farthest_, begin);
     if (met == 0) return false;
@@ -121,21 +121,21 @@ class Pencil {
     const std::size_t base = stack.size();
     for (; met != 0; met &= met - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(met));
-      stack.push_by_distance({depth[i], place.at.child(i)}, base);
+      stack.push_by_distance({depth[i], entry.at.child(i)}, base);
     }
-    place = stack.pop();
+    entry = stack.pop();
     return true;
   }
 
-  HWY_INLINE bool enter(Place& place) {
-    if (place.at.is_list()) return false;  // which is empty
-    const kdtree::Slot now = kdtree::load(place.at.slot());
+  HWY_INLINE bool enter(Entry& entry) {
+    if (entry.at.is_list()) return false;  // which is empty
+    const kdtree::Slot now = kdtree::load(entry.at.slot());
     gave_up_ = !now.is_finished();
-    if (!gave_up_) place.at = Child::final(now.finished()->enter());
+    if (!gave_up_) entry.at = Child::final(now.finished()->enter());
     return !gave_up_;
   }
 
-  static constexpr bool part(const Place&) { return false; }
+  static constexpr bool part(const Entry&) { return false; }
   HWY_INLINE bool is_done() const {
     if (gave_up_) return true;
     if constexpr (!kAny) return false;
@@ -143,12 +143,12 @@ class Pencil {
     for (const std::uint32_t lanes : lanes_) left |= lanes;
     return left == 0;
   }
-  HWY_INLINE bool matters(const Place& place) const { return !(place.t > farthest_); }
+  HWY_INLINE bool matters(const Entry& entry) const { return !(entry.t > farthest_); }
 
-  void visit_block(const Place& place) {
+  void visit_block(const Entry& entry) {
     gave_up_ = ++blocks_ > kMostBlocks;
     if (gave_up_) return;
-    const std::uint32_t* const words = place.at.block();
+    const std::uint32_t* const words = entry.at.block();
     const blocks::Block block(words);
     triangles_ += block.triangles;
     std::uint32_t left = planes_.set(block, nearest_, farthest_);

@@ -73,7 +73,7 @@ class Single {
     y_ = (z_ + 2) % 3;
   }
 
-  struct Place {
+  struct Entry {
     float t;
     Child at;
   };
@@ -86,9 +86,9 @@ class Single {
     packet_.work[lane_] += static_cast<std::uint32_t>(nodes_ + triangles_ - before);
   }
 
-  HWY_INLINE bool visit_node(Place& place, Stack<Place>& stack) {
+  HWY_INLINE bool visit_node(Entry& entry, Stack<Entry>& stack) {
     ++nodes_;
-    const kdtree::WideNode& node = *place.at.node();
+    const kdtree::WideNode& node = *entry.at.node();
     const auto near = [&](std::size_t axis) {
       return mul_add(Boxes::load(node.bounds[first_[axis]].data()), inverse_[axis], near_[axis]);
     };
@@ -102,31 +102,31 @@ class Single {
     if (met == 0) return false;
     const auto first = static_cast<std::size_t>(std::countr_zero(met));
     met &= met - 1;
-    const Child parent = place.at;
-    place.at = parent.child(first);
+    const Child parent = entry.at;
+    entry.at = parent.child(first);
     if (met == 0) return true;
     alignas(64) std::array<float, kdtree::kWidth> t;
     in.store(t.data());
-    place.t = t[first];
-    push_others(parent, t, met, place, stack);
+    entry.t = t[first];
+    push_others(parent, t, met, entry, stack);
     return true;
   }
 
-  HWY_INLINE bool enter(Place& place) {
-    place.at = wide::enter(place.at, 1u << lane_, walked_.leaf);
-    return static_cast<bool>(place.at);
+  HWY_INLINE bool enter(Entry& entry) {
+    entry.at = wide::enter(entry.at, 1u << lane_, walked_.leaf);
+    return static_cast<bool>(entry.at);
   }
 
-  static constexpr bool part(const Place&) { return false; }
+  static constexpr bool part(const Entry&) { return false; }
   HWY_INLINE bool is_done() const {
     return packet_.stopped || (kGoal == Goal::kAny && (packet_.best->found >> lane_ & 1) != 0);
   }
-  HWY_INLINE bool matters(const Place& place) const {
-    return !(place.t > packet_.floats.t_out[lane_]);
+  HWY_INLINE bool matters(const Entry& entry) const {
+    return !(entry.t > packet_.floats.t_out[lane_]);
   }
 
-  void visit_block(const Place& place) {
-    const std::uint32_t* const words = place.at.block();
+  void visit_block(const Entry& entry) {
+    const std::uint32_t* const words = entry.at.block();
     const blocks::Block block(words);
     triangles_ += block.triangles;
     const FloatRays& rays = packet_.floats;
@@ -158,7 +158,7 @@ class Single {
  private:
   /// Leaves the nearest of these children at `nearest`, and pushes the others.
   HWY_INLINE void push_others(Child parent, const std::array<float, kdtree::kWidth>& t,
-                              std::uint32_t others, Place& nearest, Stack<Place>& stack) {
+                              std::uint32_t others, Entry& nearest, Stack<Entry>& stack) {
     const std::size_t base = stack.size();
     for (; others != 0; others &= others - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(others));
@@ -166,7 +166,7 @@ class Single {
       const std::uint64_t swap = t[i] < nearest.t ? ~std::uint64_t{0} : 0;
       const std::uint64_t child = parent.child(i).bits();
       const std::uint64_t changed = (nearest.at.bits() ^ child) & swap;
-      const Place farther{std::max(t[i], nearest.t), Child::of(child ^ changed)};
+      const Entry farther{std::max(t[i], nearest.t), Child::of(child ^ changed)};
       nearest = {std::min(t[i], nearest.t), Child::of(nearest.at.bits() ^ changed)};
       if constexpr (kGoal == Goal::kAny) {
         stack.push(farther);

@@ -20,20 +20,20 @@ namespace HWY_NAMESPACE {
 /// A number for each child of a node.
 using Boxes = Lanes<float, kdtree::kWidth>;
 
-/// Where a walk goes on later. A place has `t`, where its rays meet it.
-template <class Place>
+/// Where a walk goes on later. An entry has `t`, where its rays meet it.
+template <class Entry>
 class Stack {
  public:
   bool empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
-  HWY_INLINE void push(const Place& place) { places_[size_++] = place; }
-  /// Keeps the places above `base` in order, the nearest last.
-  HWY_INLINE void push_by_distance(const Place& place, std::size_t base) {
+  HWY_INLINE void push(const Entry& entry) { entries_[size_++] = entry; }
+  /// Keeps the entries above `base` in order, the nearest last.
+  HWY_INLINE void push_by_distance(const Entry& entry, std::size_t base) {
     std::size_t i = size_++;
-    for (; i > base && places_[i - 1].t < place.t; --i) places_[i] = places_[i - 1];
-    places_[i] = place;
+    for (; i > base && entries_[i - 1].t < entry.t; --i) entries_[i] = entries_[i - 1];
+    entries_[i] = entry;
   }
-  HWY_INLINE const Place& pop() { return places_[--size_]; }
+  HWY_INLINE const Entry& pop() { return entries_[--size_]; }
 
  private:
   /// A path above finished subtrees and one in such a subtree have at most kMostLevels nodes each.
@@ -41,38 +41,38 @@ class Stack {
       2 * kdtree::kMostLevels * (kdtree::kWidth - 1) + kdtree::kWidth;
 
   std::size_t size_ = 0;
-  std::array<Place, kMost> places_;  // not cleared, as one is made for each walk
+  std::array<Entry, kMost> entries_;  // not cleared, as one is made for each walk
 };
 
-/// Takes rays through the tree below a place, to the nearest children first. `Rays` has
-///   struct Place { float t; Child at; ... }
-///   bool visit_node(Place&, Stack<Place>&)  goes on to the nearest child that is met, and pushes
+/// Takes rays through the tree below an entry, to the nearest children first. `Rays` has
+///   struct Entry { float t; Child at; ... }
+///   bool visit_node(Entry&, Stack<Entry>&)  goes on to the nearest child that is met, and pushes
 ///   the
 ///                                           others; false: there is none
-///   void visit_block(const Place&)
-///   bool enter(Place&)         goes on where a slot or a list leads; false: nowhere
-///   bool part(const Place&)    whether the rays have gone on from there by themselves
+///   void visit_block(const Entry&)
+///   bool enter(Entry&)         goes on where a slot or a list leads; false: nowhere
+///   bool part(const Entry&)    whether the rays have gone on from there by themselves
 ///   bool is_done()
-///   bool matters(Place&)       whether a place that has waited still does; drops rays
+///   bool matters(Entry&)       whether an entry that has waited still does; drops rays
 template <class Rays>
-HWY_INLINE void walk_tree(Rays& rays, typename Rays::Place place) {
-  Stack<typename Rays::Place> stack;
+HWY_INLINE void walk_tree(Rays& rays, typename Rays::Entry entry) {
+  Stack<typename Rays::Entry> stack;
   for (;;) {
-    for (bool on = true; on && !rays.part(place);) {
-      if (place.at.is_node()) {
-        on = rays.visit_node(place, stack);
-      } else if (place.at.is_block()) {
-        rays.visit_block(place);
+    for (bool on = true; on && !rays.part(entry);) {
+      if (entry.at.is_node()) {
+        on = rays.visit_node(entry, stack);
+      } else if (entry.at.is_block()) {
+        rays.visit_block(entry);
         on = false;
       } else {
-        on = rays.enter(place);
+        on = rays.enter(entry);
       }
     }
     if (rays.is_done()) return;
     do {
       if (stack.empty()) return;
-      place = stack.pop();
-    } while (!rays.matters(place));
+      entry = stack.pop();
+    } while (!rays.matters(entry));
   }
 }
 
