@@ -46,14 +46,13 @@ class Stack {
 
 /// Takes rays through the tree below an entry, to the nearest children first. `Rays` has
 ///   struct Entry { float t; Child at; ... }
-///   bool visit_node(Entry&, Stack<Entry>&)  goes on to the nearest child that is met, and pushes
-///   the
-///                                           others; false: there is none
+///   bool visit_node(Entry&, Stack<Entry>&)
+///                             goes on to the nearest child, pushes the others; false: none is met
 ///   void visit_block(const Entry&)
-///   bool enter(Entry&)         goes on where a slot or a list leads; false: nowhere
-///   bool part(const Entry&)    whether the rays have gone on from there by themselves
+///   bool enter(Entry&)        goes on where a slot or a list leads; false: nowhere
+///   bool part(const Entry&)   whether the rays have gone on from there by themselves
 ///   bool is_done()
-///   bool matters(Entry&)       whether an entry that has waited still does; drops rays
+///   bool matters(Entry&)      whether an entry that has waited still does; drops rays
 template <class Rays>
 HWY_INLINE void walk_tree(Rays& rays, typename Rays::Entry entry) {
   Stack<typename Rays::Entry> stack;
