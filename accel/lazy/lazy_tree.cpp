@@ -212,7 +212,7 @@ ExpandResult LazyTree::run_all_passes(kdtree::AtomicSlot& slot, kdtree::Deferred
   Division division =
       divide_long(context_, cell, PassSequence(task, counters, cancelled), counters);
   heed_capacity(division);
-  if (!may_wait(division, cell)) {
+  if (!task.decide(may_wait(division, cell))) {
     mark_whole(slot, cell);
     return ExpandResult::kRetry;
   }
