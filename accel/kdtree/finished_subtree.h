@@ -17,14 +17,7 @@ struct ListBytes;
 
 /// A finished subtree belongs to the tree whose slot leads to it (KdTree::finish). It never changes
 /// except for its last use. Threads: any.
-class alignas(64) FinishedSubtree : public Retirable {
- public:
-  /// The last use by a ray that entered it. It shares the first cache line with the root.
-  LastUse last_use;
-
- protected:
-  Slot root_;
-
+class alignas(16) FinishedSubtree : public Retirable {
  public:
   FinishedSubtree() = default;
   virtual ~FinishedSubtree() = default;
@@ -32,12 +25,7 @@ class alignas(64) FinishedSubtree : public Retirable {
   FinishedSubtree& operator=(const FinishedSubtree&) = delete;
 
   /// The root of the subtree: a node, a block or a list.
-  Slot root() const { return root_; }
-  /// Returns the root to a ray that comes from the slot, and counts as a use.
-  Slot enter() const {
-    last_use.use();
-    return root_;
-  }
+  virtual Slot root() const = 0;
 
   /// All memory that the subtree takes, in bytes.
   virtual std::uint64_t size_in_bytes() const = 0;
@@ -45,6 +33,8 @@ class alignas(64) FinishedSubtree : public Retirable {
   /// The ids of its references; some several times. Throws std::bad_alloc.
   virtual std::vector<std::uint32_t> ids() const = 0;
 
+  /// The last use by a ray that entered it.
+  LastUse last_use;
   /// The bytes of its tree.
   std::shared_ptr<ListBytes> account;
 

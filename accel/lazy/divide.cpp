@@ -116,6 +116,7 @@ void fill_node(const DivideContext& context, Division& division, kdtree::BuildCo
   };
   std::vector<NewCell>& cells = division.cells;
   std::vector<std::uint64_t> weights;
+  weights.reserve(kdtree::kWidth);
   for (const NewCell& cell : cells) weights.push_back(weight_to_cut(cell));
   while (cells.size() < kdtree::kWidth) {
     const auto heaviest = std::max_element(weights.begin(), weights.end());
@@ -129,7 +130,10 @@ void fill_node(const DivideContext& context, Division& division, kdtree::BuildCo
       weights.push_back(weight_to_cut(again->cells[1]));
       cells.push_back(std::move(again->cells[1]));
     } else {
-      at.part.list = std::move(cell->list);
+      at = {cell->box,
+            cell->path,
+            {std::move(cell->list), cell->first, cell->openable},
+            cell->weight};
       *heaviest = 0;
     }
   }

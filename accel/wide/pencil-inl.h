@@ -130,7 +130,7 @@ class Pencil {
       } else {
         const kdtree::Slot now = kdtree::load(at.slot());
         if (!now.is_finished()) return false;
-        at = Child::final(now.finished()->enter());
+        at = Child::final(static_cast<const WideTree*>(now.finished())->enter());
       }
     }
   }

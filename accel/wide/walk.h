@@ -40,7 +40,8 @@ class Leaf {
 inline Child enter(Child at, std::uint32_t lanes, const Leaf& leaf) {
   if (!at.is_list()) {
     const kdtree::Slot now = kdtree::load(at.slot());
-    if (now.is_finished()) return Child::final(now.finished()->enter());
+    if (now.is_finished())
+      return Child::final(static_cast<const WideTree*>(now.finished())->enter());
   }
   return leaf.enter(at, lanes);
 }

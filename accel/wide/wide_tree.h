@@ -27,6 +27,12 @@ class WideTree final : public kdtree::FinishedSubtree {
   /// Compiles a hierarchy, and keeps the blocks where they are: `words` owns their memory.
   WideTree(const blocks::Node& root, const geometry::Vec3f& center, blocks::Chunks words);
 
+  kdtree::Slot root() const override { return root_; }
+  /// Returns the root to a ray that comes from the slot, and counts as a use.
+  kdtree::Slot enter() const {
+    last_use.use();
+    return root_;
+  }
   const geometry::Vec3f& center() const { return center_; }
   /// The box of the subtree, in mesh coordinates.
   const geometry::Aabb& box() const { return box_; }
@@ -48,6 +54,7 @@ class WideTree final : public kdtree::FinishedSubtree {
   std::size_t node_count_ = 0, bytes_ = 0;
   std::unique_ptr<std::byte, Free> memory_;  ///< The nodes, then leaves that were copied.
   blocks::Chunks words_;                     ///< Blocks that were kept.
+  kdtree::Slot root_;
 };
 
 }  // namespace sightline::accel::wide
