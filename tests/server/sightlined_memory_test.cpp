@@ -321,9 +321,13 @@ TEST_F(SightlinedMemory, StreamsThatRestAfterALargeBatch) {
 TEST_F(SightlinedMemory, NamesOfProducers) {
   const std::uint64_t before = held("logs");
   constexpr int kNames = 200;
-  for (int i = 0; i < kNames; ++i) {
+  // The server may count streams that were cancelled, for a while: then it refuses the next.
+  for (int i = 0; i < kNames;) {
     UpdateStream stream(api_);
-    stream.open(kScene, fmt::format("{:060}", i));
+    v1::StreamUpdatesResponse answer;
+    if (stream.send_open(kScene, fmt::format("{:060}", i)) && stream.read(answer) &&
+        answer.has_opened())
+      ++i;
   }
   EXPECT_GE(held("logs"), before + kNames * 500);
 }
