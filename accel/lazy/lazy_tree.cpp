@@ -2,6 +2,7 @@
 #include "accel/lazy/lazy_tree.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <memory>
 #include <new>
@@ -216,6 +217,7 @@ ExpandResult LazyTree::run_all_passes(kdtree::AtomicSlot& slot, kdtree::Deferred
     mark_whole(slot, cell);
     return ExpandResult::kRetry;
   }
+  if (kdtree::load(slot) != kdtree::Slot::deferred(&cell)) return ExpandResult::kRetry;
   if (!division.compact) growing.shrink(0);  // the new cells count them
   const kdtree::Slot built = make_slot(std::move(division), cell);
   std::uint64_t expected = kdtree::Slot::deferred(&cell).bits();
@@ -259,15 +261,19 @@ kdtree::Slot LazyTree::make_node(Division& division) {
   assert(division.cells.size() <= kdtree::kWidth);
   // A pass over the lists pays where rays meet many boxes at once.
   const bool is_wide = division.cells.size() > 2;
+  // Before any cell counts as waiting: other threads may be making the same ones.
+  std::array<geometry::Aabb, kdtree::kWidth> boxes;
+  for (std::size_t i = 0; i < division.cells.size(); ++i) {
+    const NewCell& cell = division.cells[i];
+    boxes[i] = in_frame(frame_, is_wide ? bounds_in(cell.box, cell.part.list) : cell.box);
+  }
   kdtree::WideNode* const node = tree_.make_node();
   std::size_t children = 0;
   try {
-    for (NewCell& cell : division.cells) {
-      const geometry::Aabb box =
-          in_frame(frame_, is_wide ? bounds_in(cell.box, cell.part.list) : cell.box);
-      const kdtree::Slot slot = defer(std::move(cell), division.compact);
+    for (std::size_t i = 0; i < division.cells.size(); ++i) {
+      const kdtree::Slot slot = defer(std::move(division.cells[i]), division.compact);
       if (slot == kdtree::Slot::empty_list()) continue;
-      node->set_box(children, box);
+      node->set_box(children, boxes[i]);
       node->children[children++].store(slot.bits(), std::memory_order_relaxed);
     }
   } catch (const std::bad_alloc&) {
