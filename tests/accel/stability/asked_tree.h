@@ -104,4 +104,18 @@ inline std::vector<NearestHit> nearest_without_tree(const TestMesh& mesh,
   return hits;
 }
 
+/// The nearest hits of rays in a mesh's full and growing trees, by every builder, are those that
+/// are found without a tree.
+inline void expect_right(const TestMesh& mesh, const std::vector<accel::geometry::Ray>& rays) {
+  const std::vector<NearestHit> expected = nearest_without_tree(mesh, rays);
+  for (const std::string_view builder : accel::published::builder_names()) {
+    AskedTree full(mesh, builder), growing(mesh, builder);
+    full.build();
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      ASSERT_EQ(full.nearest(rays[i]), expected[i]) << builder << " ray " << i;
+      ASSERT_EQ(growing.nearest(rays[i]), expected[i]) << builder << " growing, ray " << i;
+    }
+  }
+}
+
 }  // namespace sightline::tests

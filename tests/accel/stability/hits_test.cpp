@@ -52,15 +52,7 @@ TEST_P(HardMeshHits, WithoutATreeEqualTheOracles) {
 TEST_P(HardMeshHits, FullAndGrowingTreesAgree) {
   const TestMesh mesh = make(kMeshSize, kMeshSeed);
   const std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, kRays, kMeshSeed);
-  const std::vector<NearestHit> expected = nearest_without_tree(mesh, rays);
-  for (const std::string_view builder : accel::published::builder_names()) {
-    AskedTree full(mesh, builder), growing(mesh, builder);
-    full.build();
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-      ASSERT_EQ(full.nearest(rays[i]), expected[i]) << builder << " ray " << i;
-      ASSERT_EQ(growing.nearest(rays[i]), expected[i]) << builder << " growing, ray " << i;
-    }
-  }
+  expect_right(mesh, rays);
 }
 
 /// The same lines, begun as far away as rays are valid.
@@ -72,15 +64,7 @@ TEST_P(HardMeshHits, OfRaysFromAfarAreRight) {
     ray.direction = ray.direction * (1 / accel::geometry::max_norm(ray.direction));
     ray.origin = ray.origin - ray.direction * std::exp2(56 + static_cast<double>(3 * i % 190));
   }
-  const std::vector<NearestHit> expected = nearest_without_tree(mesh, rays);
-  for (const std::string_view builder : accel::published::builder_names()) {
-    AskedTree full(mesh, builder), growing(mesh, builder);
-    full.build();
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-      ASSERT_EQ(full.nearest(rays[i]), expected[i]) << builder << " ray " << i;
-      ASSERT_EQ(growing.nearest(rays[i]), expected[i]) << builder << " growing, ray " << i;
-    }
-  }
+  expect_right(mesh, rays);
 }
 
 /// No triangle, one triangle, two, ...: the smallest meshes.

@@ -41,18 +41,6 @@ TestMesh honeycomb(std::uint32_t n) {
   return mesh;
 }
 
-void expect_right(const TestMesh& mesh, const std::vector<Ray>& rays) {
-  const std::vector<NearestHit> expected = nearest_without_tree(mesh, rays);
-  for (const std::string_view builder : accel::published::builder_names()) {
-    AskedTree full(mesh, builder), growing(mesh, builder);
-    full.build();
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-      ASSERT_EQ(full.nearest(rays[i]), expected[i]) << builder << " ray " << i;
-      ASSERT_EQ(growing.nearest(rays[i]), expected[i]) << builder << " ray " << i;
-    }
-  }
-}
-
 TEST(RaysInPlanes, FromEveryPointOfALatticeInEveryDirection) {
   const TestMesh mesh = honeycomb(2);
   std::vector<Ray> rays;
