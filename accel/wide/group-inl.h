@@ -16,6 +16,7 @@
 #include "accel/wide/group_bounds-inl.h"
 #include "accel/wide/keep-inl.h"
 #include "accel/wide/single-inl.h"
+#include "accel/wide/walk-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sightline::accel::wide {
@@ -47,105 +48,65 @@ class Group {
     read_limits();
   }
 
-  void walk(Child at) {
-    std::uint32_t lanes = group_;
-    std::size_t top = 0;
-    do {
-      go_down(at, lanes, top);
-    } while (!packet_.stopped && pop(at, lanes, top));
-  }
-
- private:
-  struct Waiting {
+  struct Entry {
     float t;
     std::uint32_t lanes;
     Child at;
   };
 
-  HWY_INLINE void go_down(Child at, std::uint32_t lanes, std::size_t& top) {
-    for (;;) {
-      if (std::popcount(lanes) < together_) return go_alone(at, lanes);
-      if (at.is_node()) {
-        if (!visit_node(at, lanes, top)) return;
-      } else if (at.is_block()) {
-        return visit_block(at.block(), lanes);
-      } else {
-        at = enter(at, lanes, walked_.leaf);
-        if (!at) return read_limits();
-      }
-    }
-  }
+  void walk(Child root) { walk_tree(*this, {0, group_, root}); }
 
-  void go_alone(Child at, std::uint32_t lanes) {
-    for (; lanes != 0 && !packet_.stopped; lanes &= lanes - 1)
-      Single<kGoal>(walked_, static_cast<std::size_t>(std::countr_zero(lanes))).walk(at);
-    read_limits();
-  }
-
-  /// Reads the limits of the rays, which others may have lowered.
-  HWY_INLINE void read_limits() {
-    t_out_ = Floats::load(packet_.floats.t_out.data());
-    farthest_ = range_of(packet_.floats.t_out, group_).hi;
-  }
-
-  HWY_INLINE void count(std::uint32_t lanes, std::uint32_t work) {
-    using Counts = Lanes<std::uint32_t, kLanes>;
-    const Counts before = Counts::load(packet_.work.data());
-    Counts::pick(lanes, before + Counts::set(work), before).store(packet_.work.data());
-  }
-
-  HWY_INLINE bool visit_node(Child& at, std::uint32_t& lanes, std::size_t& top) {
-    const kdtree::WideNode& node = *at.node();
-    walked_.counters.steps += static_cast<std::uint64_t>(std::popcount(lanes));
-    count(lanes, 1);
+  HWY_INLINE bool visit_node(Entry& entry, Stack<Entry>& stack) {
+    const kdtree::WideNode& node = *entry.at.node();
+    walked_.counters.steps += static_cast<std::uint64_t>(std::popcount(entry.lanes));
+    count(entry.lanes, 1);
     Boxes in;
     std::uint32_t met = boxes_.met(node, farthest_, in);
     alignas(64) std::array<float, kdtree::kWidth> t;
     in.store(t.data());
-    const std::size_t base = top;
+    const std::size_t base = stack.size();
     for (; met != 0; met &= met - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(met));
-      const std::uint32_t those = lanes & meeting(node, i);
-      if (those == 0) continue;
-      std::size_t k = top++;
-      for (; kGoal != Goal::kAny && k > base && stack_[k - 1].t < t[i]; --k)
-        stack_[k] = stack_[k - 1];
-      stack_[k] = {t[i], those, at.child(i)};
+      const std::uint32_t lanes = entry.lanes & meeting(node, i);
+      if (lanes == 0) continue;
+      const Entry child{t[i], lanes, entry.at.child(i)};
+      if constexpr (kGoal == Goal::kAny) {
+        stack.push(child);
+      } else {
+        stack.push_by_distance(child, base);
+      }
     }
-    if (top == base) return false;
-    --top;
-    at = stack_[top].at;
-    lanes = stack_[top].lanes;
+    if (stack.size() == base) return false;
+    entry = stack.pop();
     return true;
   }
 
-  /// The rays that meet one child.
-  HWY_INLINE std::uint32_t meeting(const kdtree::WideNode& node, std::size_t i) const {
-    const auto near = [&](std::size_t axis) {
-      return mul_add(Floats::set(node.bounds[row_[axis]][i]), inverse_[axis], near_[axis]);
-    };
-    const auto far = [&](std::size_t axis) {
-      return mul_add(Floats::set(node.bounds[row_[axis] ^ 1][i]), inverse_[axis], far_[axis]);
-    };
-    const Floats in = max(max(near(0), near(1)), max(near(2), t_in_));
-    const Floats out = min(min(far(0), far(1)), min(far(2), t_out_));
-    return in <= out;
+  HWY_INLINE bool enter(Entry& entry) {
+    entry.at = wide::enter(entry.at, entry.lanes, walked_.leaf);
+    if (!entry.at) read_limits();
+    return static_cast<bool>(entry.at);
   }
 
-  HWY_INLINE bool pop(Child& at, std::uint32_t& lanes, std::size_t& top) {
-    while (top > 0) {
-      const Waiting& next = stack_[--top];
-      if (next.t > farthest_) continue;
-      lanes = kGoal == Goal::kAny ? next.lanes & ~packet_.best->found
-                                  : next.lanes & (Floats::set(next.t) <= t_out_);
-      if (lanes == 0) continue;
-      at = next.at;
-      return true;
-    }
-    return false;
+  /// Few rays go on one by one.
+  HWY_INLINE bool part(const Entry& entry) {
+    if (std::popcount(entry.lanes) >= together_) return false;
+    for (std::uint32_t left = entry.lanes; left != 0 && !packet_.stopped; left &= left - 1)
+      Single<kGoal>(walked_, static_cast<std::size_t>(std::countr_zero(left))).walk(entry.at);
+    read_limits();
+    return true;
   }
 
-  void visit_block(const std::uint32_t* words, std::uint32_t lanes) {
+  HWY_INLINE bool is_done() const { return packet_.stopped; }
+
+  HWY_INLINE bool matters(Entry& entry) const {
+    if (entry.t > farthest_) return false;
+    entry.lanes &= kGoal == Goal::kAny ? ~packet_.best->found : Floats::set(entry.t) <= t_out_;
+    return entry.lanes != 0;
+  }
+
+  void visit_block(Entry entry) {
+    const std::uint32_t* const words = entry.at.block();
+    std::uint32_t lanes = entry.lanes;
     const blocks::Block block(words);
     walked_.counters.tests += block.triangles * static_cast<std::uint64_t>(std::popcount(lanes));
     count(lanes, block.triangles);
@@ -178,6 +139,32 @@ class Group {
     } else {
       lower_t_out();
     }
+  }
+
+ private:
+  /// Reads the limits of the rays, which others may have lowered.
+  HWY_INLINE void read_limits() {
+    t_out_ = Floats::load(packet_.floats.t_out.data());
+    farthest_ = range_of(packet_.floats.t_out, group_).hi;
+  }
+
+  HWY_INLINE void count(std::uint32_t lanes, std::uint32_t work) {
+    using Counts = Lanes<std::uint32_t, kLanes>;
+    const Counts before = Counts::load(packet_.work.data());
+    Counts::pick(lanes, before + Counts::set(work), before).store(packet_.work.data());
+  }
+
+  /// The rays that meet one child.
+  HWY_INLINE std::uint32_t meeting(const kdtree::WideNode& node, std::size_t i) const {
+    const auto near = [&](std::size_t axis) {
+      return mul_add(Floats::set(node.bounds[row_[axis]][i]), inverse_[axis], near_[axis]);
+    };
+    const auto far = [&](std::size_t axis) {
+      return mul_add(Floats::set(node.bounds[row_[axis] ^ 1][i]), inverse_[axis], far_[axis]);
+    };
+    const Floats in = max(max(near(0), near(1)), max(near(2), t_in_));
+    const Floats out = min(min(far(0), far(1)), min(far(2), t_out_));
+    return in <= out;
   }
 
   /// Takes a verdict by the goal. Returns whether some ray's limits were lowered.
@@ -221,7 +208,6 @@ class Group {
   float farthest_ = 0;
   std::array<std::size_t, 3> row_;  // by axis: the row of the bounds that the rays meet first
   std::size_t x_, y_, z_;
-  std::array<Waiting, kStack> stack_;
 };
 
 }  // namespace HWY_NAMESPACE

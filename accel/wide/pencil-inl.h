@@ -17,7 +17,7 @@
 #include "accel/wide/keep-inl.h"
 #include "accel/wide/pencil_planes-inl.h"
 #include "accel/wide/pencil_rays-inl.h"
-#include "accel/wide/single-inl.h"
+#include "accel/wide/walk-inl.h"
 #include "accel/wide/wide_tree.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -97,75 +97,58 @@ class Pencil {
     set_range();
   }
 
+  struct Entry {
+    float t;  // a depth
+    Child at;
+  };
+
   /// Returns false if the rays come to a cell that is not built, or to too many blocks.
-  HWY_INLINE bool walk(Child at) {
-    std::size_t top = 0;
-    do {
-      if (!go_down(at, top)) return false;
-    } while (!is_done() && pop(at, top));
+  HWY_INLINE bool walk(Child root) {
+    walk_tree(*this, {0, root});
+    if (gave_up_) return false;
     count_work();
     return true;
   }
 
- private:
-  struct Waiting {
-    float depth;
-    Child at;
-  };
-
-  /// A pencil meets at most this number of blocks; most of any others would be met by few of its
-  /// rays.
-  static constexpr std::size_t kMostBlocks = 32;
-
-  HWY_INLINE bool go_down(Child at, std::size_t& top) {
-    for (;;) {
-      if (at.is_node()) {
-        if (!visit_node(at, top)) return true;
-      } else if (at.is_block()) {
-        if (++blocks_ > kMostBlocks) return false;
-        visit_block(at.block());
-        return true;
-      } else if (at.is_list()) {  // which is empty
-        return true;
-      } else {
-        const kdtree::Slot now = kdtree::load(at.slot());
-        if (!now.is_finished()) return false;
-        at = Child::final(static_cast<const WideTree*>(now.finished())->enter());
-      }
-    }
-  }
-
-  /// Sets `at` to its nearest child that the pencil meets; false if there is none.
-  HWY_INLINE bool visit_node(Child& at, std::size_t& top) {
+  HWY_INLINE bool visit_node(Entry& entry, Stack<Entry>& stack) {
     ++nodes_;
-    const kdtree::WideNode& node = *at.node();
+    const kdtree::WideNode& node = *entry.at.node();
     Boxes begin;
     std::uint32_t met = boxes_.met(node, nearest_, farthest_, begin);
     if (met == 0) return false;
     alignas(64) std::array<float, kdtree::kWidth> depth;
     begin.store(depth.data());
-    const std::size_t base = top;
+    const std::size_t base = stack.size();
     for (; met != 0; met &= met - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(met));
-      std::size_t k = top++;
-      for (; k > base && stack_[k - 1].depth < depth[i]; --k) stack_[k] = stack_[k - 1];
-      stack_[k] = {depth[i], at.child(i)};
+      stack.push_by_distance({depth[i], entry.at.child(i)}, base);
     }
-    at = stack_[--top].at;
+    entry = stack.pop();
     return true;
   }
 
-  HWY_INLINE bool pop(Child& at, std::size_t& top) {
-    while (top > 0) {
-      --top;
-      if (stack_[top].depth > farthest_) continue;
-      at = stack_[top].at;
-      return true;
-    }
-    return false;
+  HWY_INLINE bool enter(Entry& entry) {
+    if (entry.at.is_list()) return false;  // which is empty
+    const kdtree::Slot now = kdtree::load(entry.at.slot());
+    gave_up_ = !now.is_finished();
+    if (!gave_up_) entry.at = Child::final(static_cast<const WideTree*>(now.finished())->enter());
+    return !gave_up_;
   }
 
-  void visit_block(const std::uint32_t* words) {
+  static constexpr bool part(const Entry&) { return false; }
+  HWY_INLINE bool is_done() const {
+    if (gave_up_) return true;
+    if constexpr (!kAny) return false;
+    std::uint32_t left = 0;
+    for (const std::uint32_t lanes : lanes_) left |= lanes;
+    return left == 0;
+  }
+  HWY_INLINE bool matters(const Entry& entry) const { return !(entry.t > farthest_); }
+
+  void visit_block(Entry entry) {
+    gave_up_ = ++blocks_ > kMostBlocks;
+    if (gave_up_) return;
+    const std::uint32_t* const words = entry.at.block();
     const blocks::Block block(words);
     triangles_ += block.triangles;
     std::uint32_t left = planes_.set(block, nearest_, farthest_);
@@ -189,6 +172,11 @@ class Pencil {
     set_range();
   }
 
+ private:
+  /// A pencil meets at most this number of blocks; most of any others would be met by few of its
+  /// rays.
+  static constexpr std::size_t kMostBlocks = 32;
+
   /// Decides a triangle for rays that may meet it. Returns whether the depths that matter have
   /// changed.
   HWY_INLINE bool test(std::size_t p, std::uint32_t lanes, const std::uint32_t* words,
@@ -208,13 +196,6 @@ class Pencil {
     } else {
       return keep(packet, words, i, verdict);
     }
-  }
-
-  HWY_INLINE bool is_done() const {
-    if constexpr (!kAny) return false;
-    std::uint32_t left = 0;
-    for (const std::uint32_t lanes : lanes_) left |= lanes;
-    return left == 0;
   }
 
   /// Reads the depths that matter to a packet.
@@ -252,8 +233,8 @@ class Pencil {
   std::array<Column<float>, kPencilPackets> slopes_x_, slopes_y_;
   float nearest_ = 0, farthest_ = 0;
   std::size_t blocks_ = 0;
+  bool gave_up_ = false;
   std::uint32_t nodes_ = 0, triangles_ = 0;
-  std::array<Waiting, kStack> stack_;
 };
 
 }  // namespace HWY_NAMESPACE

@@ -16,19 +16,13 @@
 #include "accel/blocks/block.h"
 #include "accel/wide/exact.h"
 #include "accel/wide/verdict-inl.h"
+#include "accel/wide/walk-inl.h"
 #include "accel/wide/walk.h"
 #include "accel/wide/wide_tree.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sightline::accel::wide {
 namespace HWY_NAMESPACE {
-
-using Boxes = Lanes<float, kdtree::kWidth>;
-
-/// Capacity of a walk's stack: a path above finished subtrees and one in such a subtree have at
-/// most kMostLevels nodes each.
-inline constexpr std::size_t kStack =
-    2 * kdtree::kMostLevels * (kdtree::kWidth - 1) + kdtree::kWidth;
 
 /// Numbers of a column of vertices, one for each triangle.
 class Gather {
@@ -79,45 +73,22 @@ class Single {
     y_ = (z_ + 2) % 3;
   }
 
-  void walk(Child at) {
+  struct Entry {
+    float t;
+    Child at;
+  };
+
+  void walk(Child root) {
     const std::uint64_t before = nodes_ + triangles_;
-    std::size_t top = 0;
-    do {
-      go_down(at, top);
-    } while (!is_done() && pop(at, top));
+    walk_tree(*this, {0, root});
     walked_.counters.steps += nodes_;
     walked_.counters.tests += triangles_;
     packet_.work[lane_] += static_cast<std::uint32_t>(nodes_ + triangles_ - before);
   }
 
- private:
-  struct Waiting {
-    float t;
-    Child at;
-  };
-
-  HWY_INLINE bool is_done() const {
-    return packet_.stopped || (kGoal == Goal::kAny && (packet_.best->found >> lane_ & 1) != 0);
-  }
-
-  /// Visits nodes, nearest children first, and what is not a node at the end of that path.
-  HWY_INLINE void go_down(Child at, std::size_t& top) {
-    for (;;) {
-      if (at.is_node()) {
-        if (!visit_node(at, at, top)) return;
-      } else if (at.is_block()) {
-        return visit_block(at.block());
-      } else {
-        at = enter(at, 1u << lane_, walked_.leaf);
-        if (!at) return;
-      }
-    }
-  }
-
-  /// Sets `next` to the nearest child that the ray meets; false if there is none.
-  HWY_INLINE bool visit_node(Child at, Child& next, std::size_t& top) {
+  HWY_INLINE bool visit_node(Entry& entry, Stack<Entry>& stack) {
     ++nodes_;
-    const kdtree::WideNode& node = *at.node();
+    const kdtree::WideNode& node = *entry.at.node();
     const auto near = [&](std::size_t axis) {
       return mul_add(Boxes::load(node.bounds[first_[axis]].data()), inverse_[axis], near_[axis]);
     };
@@ -131,46 +102,31 @@ class Single {
     if (met == 0) return false;
     const auto first = static_cast<std::size_t>(std::countr_zero(met));
     met &= met - 1;
-    next = at.child(first);
+    const Child parent = entry.at;
+    entry.at = parent.child(first);
     if (met == 0) return true;
     alignas(64) std::array<float, kdtree::kWidth> t;
     in.store(t.data());
-    push_others(at, t, first, met, next, top);
+    entry.t = t[first];
+    push_others(parent, t, met, entry, stack);
     return true;
   }
 
-  HWY_INLINE void push_others(Child at, const std::array<float, kdtree::kWidth>& t,
-                              std::size_t first, std::uint32_t others, Child& next,
-                              std::size_t& top) {
-    const std::size_t base = top;
-    float nearest = t[first];
-    for (; others != 0; others &= others - 1) {
-      const auto i = static_cast<std::size_t>(std::countr_zero(others));
-      // The two are exchanged without a branch, which would be mispredicted half of the time.
-      const std::uint64_t swap = t[i] < nearest ? ~std::uint64_t{0} : 0;
-      const std::uint64_t child = at.child(i).bits();
-      const std::uint64_t changed = (next.bits() ^ child) & swap;
-      const Waiting waiting{std::max(t[i], nearest), Child::of(child ^ changed)};
-      next = Child::of(next.bits() ^ changed);
-      nearest = std::min(t[i], nearest);
-      std::size_t k = top++;
-      for (; kGoal != Goal::kAny && k > base && stack_[k - 1].t < waiting.t; --k)
-        stack_[k] = stack_[k - 1];
-      stack_[k] = waiting;
-    }
+  HWY_INLINE bool enter(Entry& entry) {
+    entry.at = wide::enter(entry.at, 1u << lane_, walked_.leaf);
+    return static_cast<bool>(entry.at);
   }
 
-  HWY_INLINE bool pop(Child& at, std::size_t& top) {
-    const float limit = packet_.floats.t_out[lane_];
-    do {
-      if (top == 0) return false;
-      --top;
-    } while (stack_[top].t > limit);
-    at = stack_[top].at;
-    return true;
+  static constexpr bool part(const Entry&) { return false; }
+  HWY_INLINE bool is_done() const {
+    return packet_.stopped || (kGoal == Goal::kAny && (packet_.best->found >> lane_ & 1) != 0);
+  }
+  HWY_INLINE bool matters(const Entry& entry) const {
+    return !(entry.t > packet_.floats.t_out[lane_]);
   }
 
-  void visit_block(const std::uint32_t* words) {
+  void visit_block(Entry entry) {
+    const std::uint32_t* const words = entry.at.block();
     const blocks::Block block(words);
     triangles_ += block.triangles;
     const FloatRays& rays = packet_.floats;
@@ -197,6 +153,27 @@ class Single {
     if (judge(corners, {set(rays.error), set(rays.low), set(rays.high), set(rays.cull)}, all,
               verdict))
       take(words, verdict);
+  }
+
+ private:
+  /// Leaves the nearest of these children at `nearest`, and pushes the others.
+  HWY_INLINE void push_others(Child parent, const std::array<float, kdtree::kWidth>& t,
+                              std::uint32_t others, Entry& nearest, Stack<Entry>& stack) {
+    const std::size_t base = stack.size();
+    for (; others != 0; others &= others - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(others));
+      // The two are exchanged without a branch, which would be mispredicted half of the time.
+      const std::uint64_t swap = t[i] < nearest.t ? ~std::uint64_t{0} : 0;
+      const std::uint64_t child = parent.child(i).bits();
+      const std::uint64_t changed = (nearest.at.bits() ^ child) & swap;
+      const Entry farther{std::max(t[i], nearest.t), Child::of(child ^ changed)};
+      nearest = {std::min(t[i], nearest.t), Child::of(nearest.at.bits() ^ changed)};
+      if constexpr (kGoal == Goal::kAny) {
+        stack.push(farther);
+      } else {
+        stack.push_by_distance(farther, base);
+      }
+    }
   }
 
   void take(const std::uint32_t* words, const Verdict& verdict) {
@@ -280,7 +257,6 @@ class Single {
   std::array<std::size_t, 3> first_;  // by axis: the row of the bounds that the ray meets first
   std::size_t x_, y_, z_;
   std::uint64_t nodes_ = 0, triangles_ = 0;
-  std::array<Waiting, kStack> stack_;
 };
 
 }  // namespace HWY_NAMESPACE

@@ -1,0 +1,82 @@
+// The loop of every walk through a tree.
+#if defined(SIGHTLINE_WIDE_WALK_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef SIGHTLINE_WIDE_WALK_INL
+#undef SIGHTLINE_WIDE_WALK_INL
+#else
+#define SIGHTLINE_WIDE_WALK_INL
+#endif
+
+#include <array>
+#include <cstddef>
+
+#include "accel/kdtree/wide_node.h"
+#include "accel/wide/child.h"
+#include "accel/wide/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sightline::accel::wide {
+namespace HWY_NAMESPACE {
+
+/// A number for each child of a node.
+using Boxes = Lanes<float, kdtree::kWidth>;
+
+/// Where a walk goes on later. An entry has `t`, where its rays meet it.
+template <class Entry>
+class Stack {
+ public:
+  bool empty() const { return size_ == 0; }
+  std::size_t size() const { return size_; }
+  HWY_INLINE void push(const Entry& entry) { entries_[size_++] = entry; }
+  /// Keeps the entries above `base` in order, the nearest last.
+  HWY_INLINE void push_by_distance(const Entry& entry, std::size_t base) {
+    std::size_t i = size_++;
+    for (; i > base && entries_[i - 1].t < entry.t; --i) entries_[i] = entries_[i - 1];
+    entries_[i] = entry;
+  }
+  HWY_INLINE const Entry& pop() { return entries_[--size_]; }
+
+ private:
+  /// A path above finished subtrees and one in such a subtree have at most kMostLevels nodes each.
+  static constexpr std::size_t kMost =
+      2 * kdtree::kMostLevels * (kdtree::kWidth - 1) + kdtree::kWidth;
+
+  std::size_t size_ = 0;
+  std::array<Entry, kMost> entries_;  // not cleared, as one is made for each walk
+};
+
+/// Takes rays through the tree below an entry, to the nearest children first. `Rays` has
+///   struct Entry { float t; Child at; ... }
+///   bool visit_node(Entry&, Stack<Entry>&)
+///                             goes on to the nearest child, pushes the others; false: none is met
+///   void visit_block(const Entry&)
+///   bool enter(Entry&)        goes on where a slot or a list leads; false: nowhere
+///   bool part(const Entry&)   whether the rays have gone on from there by themselves
+///   bool is_done()
+///   bool matters(Entry&)      whether an entry that has waited still does; drops rays
+template <class Rays>
+HWY_INLINE void walk_tree(Rays& rays, typename Rays::Entry entry) {
+  Stack<typename Rays::Entry> stack;
+  for (;;) {
+    for (bool on = true; on && !rays.part(entry);) {
+      if (entry.at.is_node()) {
+        on = rays.visit_node(entry, stack);
+      } else if (entry.at.is_block()) {
+        rays.visit_block(entry);
+        on = false;
+      } else {
+        on = rays.enter(entry);
+      }
+    }
+    if (rays.is_done()) return;
+    do {
+      if (stack.empty()) return;
+      entry = stack.pop();
+    } while (!rays.matters(entry));
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sightline::accel::wide
+HWY_AFTER_NAMESPACE();
+
+#endif  // toggle
