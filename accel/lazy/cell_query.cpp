@@ -5,6 +5,7 @@ namespace sightline::accel::lazy {
 
 AtCell meet(LazyTree& tree, kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell,
             std::uint64_t rays, CellQuery& query, kdtree::BuildCounters& built) {
+  if (tree.searches_hierarchy(cell)) return AtCell::kSearch;
   if (query.on_deferred == OnDeferred::kSkip) return AtCell::kSkip;
   if (query.on_deferred == OnDeferred::kScan) return AtCell::kSearch;
   if (query.on_deferred == OnDeferred::kWait && tree.is_over_faces()) {

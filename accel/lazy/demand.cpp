@@ -155,6 +155,11 @@ bool LazyTree::searches(const kdtree::DeferredCell& cell, std::uint64_t rays, bo
   return !pays_for(cell, spent, counters) || !has_capacity;
 }
 
+bool LazyTree::searches_hierarchy(const kdtree::DeferredCell& cell) const {
+  return is_hierarchy(cell) &&
+         cell.spent.load(std::memory_order_relaxed) < kFinishCost * source_.known();
+}
+
 bool LazyTree::pays(const kdtree::DeferredCell& cell, double rays,
                     kdtree::BuildCounters& counters) const {
   const double now = rays * static_cast<double>(cost_of_search(cell.size));

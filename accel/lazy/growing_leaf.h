@@ -23,7 +23,8 @@ inline constexpr std::size_t kSearchStep = 1024;
 /// `Content`: what the tree is over. It tests, for those of the rays that Packet::left() has:
 ///   void leaf(span<const uint32_t> references, uint32_t lanes)
 ///   void references(span<const Reference>, uint32_t lanes)  a part of a list
-///   void everything(uint32_t lanes)                         the whole tree, which has no list yet
+///   void everything(const DeferredCell& root, uint32_t lanes)
+///                                         the whole tree, which has no list yet
 template <class Content>
 class GrowingLeaf {
  public:
@@ -68,7 +69,7 @@ class GrowingLeaf {
       }
       return false;
     }
-    packet_.saw_deferred |= lanes;
+    if (does == AtCell::kSkip || !tree_.is_hierarchy(cell)) packet_.saw_deferred |= lanes;
     if (does == AtCell::kSearch) search(cell, lanes);
     return false;
   }
@@ -77,7 +78,7 @@ class GrowingLeaf {
     cell.last_use.use();
     const bool searched_before = std::exchange(query_.searches_list, true);
     if (!cell.has_list) {
-      content_.everything(lanes);
+      content_.everything(cell, lanes);
     } else if (cell.list.is_compact()) {
       visit(cell.list.ids(), lanes);
     } else {

@@ -70,6 +70,14 @@ class LazyTree {
   bool searches(const kdtree::DeferredCell& cell, std::uint64_t rays, bool by_demand,
                 kdtree::BuildCounters& counters);
 
+  /// Whether a cell is the root over a hierarchy (ReferenceSource::known). A search of it leaves
+  /// nothing out and builds nothing; what it costs is counted as spent by the one who searches.
+  bool is_hierarchy(const kdtree::DeferredCell& cell) const {
+    return source_.known != nullptr && !cell.has_list;
+  }
+  /// Whether rays search it, as that has cost less than growing the tree.
+  bool searches_hierarchy(const kdtree::DeferredCell& cell) const;
+
   /// As above, for rays of a batch that wait at the cell, each of which stands for several. Spends
   /// nothing.
   CellDecision decide(const kdtree::DeferredCell& cell, std::span<const geometry::LocalRay> waiting,

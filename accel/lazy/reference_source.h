@@ -33,6 +33,10 @@ struct ReferenceSource {
   std::function<void(const kdtree::Reference&, std::vector<kdtree::Reference>&,
                      kdtree::BuildCounters&)>
       open{};
+  /// For a hierarchy of references, whose root rays can search without meeting most of them: the
+  /// number of references that are known by now. Rays search the root, under every policy, until
+  /// that has cost as much as growing the tree. Null: the root is a list.
+  std::function<std::size_t()> known{};
   /// Writes the references with these ids, in their order; none is openable, and all have been
   /// listed before. Null: lists of the tree cannot be compact.
   std::function<void(std::span<const std::uint32_t> ids, kdtree::Reference* out,

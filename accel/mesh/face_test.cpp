@@ -142,7 +142,7 @@ void FaceTests::references(std::span<const kdtree::Reference> refs, std::uint32_
   each(lanes, [&](FaceTest& test) { test.references(refs); });
 }
 
-void FaceTests::everything(std::uint32_t lanes) {
+void FaceTests::everything(const kdtree::DeferredCell&, std::uint32_t lanes) {
   each(lanes, [](FaceTest& test) { test.everything(); });
 }
 

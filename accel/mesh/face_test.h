@@ -64,7 +64,7 @@ class FaceTests {
 
   void leaf(std::span<const std::uint32_t> faces, std::uint32_t lanes);
   void references(std::span<const kdtree::Reference> refs, std::uint32_t lanes);
-  void everything(std::uint32_t lanes);
+  void everything(const kdtree::DeferredCell& root, std::uint32_t lanes);
 
  private:
   using Tests = std::array<std::optional<FaceTest>, wide::kLanes>;

@@ -14,9 +14,6 @@ using accel::kdtree::Reference;
 /// Groups that do not help culling are opened immediately until there are this many references.
 constexpr std::size_t kMaxImmediateRefs = kMaxUnclustered;
 
-/// What growing a tree costs for each member, in tests of members by rays that search them.
-constexpr std::uint64_t kGrowCost = 100;
-
 }  // namespace
 
 Instances::Instances(const hierarchy::Hierarchy& hierarchy, const MovedNodes* moved)
@@ -31,13 +28,15 @@ void Instances::begin() const {
   if (begun()) return;
   auto made = std::make_unique<Roots>();
   const Opened& roots = opened(*root_group_);
-  made->in_clusters = !roots.siblings[0].clusters.empty();
   append(roots, 0, made->coarsest);
   accel::geometry::Aabb bounds;
   for (const Reference& ref : made->coarsest) bounds.grow(ref.bounds());
   accel::lazy::ReferenceSource source = accel::lazy::source_of(made->coarsest);
   source.open = [this](const Reference& ref, std::vector<Reference>& out,
                        accel::kdtree::BuildCounters&) { open(ref, out); };
+  // A dynamic tree may not live long: rays search its clusters first.
+  if (!view_.is_static() && !roots.siblings[0].clusters.empty())
+    source.known = [this] { return opened_members(); };
   made->tree = std::make_unique<accel::lazy::LazyTree>(bounds, size(), accel::split::default_rule(),
                                                        std::move(source));
   const Roots* none = nullptr;
@@ -68,13 +67,6 @@ bool Instances::is_open(const Reference& ref) const {
 }
 
 std::uint64_t Instances::tree_bytes() const { return tree().tree().bytes(); }
-
-bool Instances::is_searched() const {
-  const Roots& roots = opened_roots();
-  return !view_.is_static() && roots.in_clusters &&
-         searched_.load(std::memory_order_relaxed) < kGrowCost * opened_members() &&
-         accel::kdtree::load(roots.tree->root()).is_deferred();
-}
 
 /// Finds a group by its number. All groups above a referenced group have been opened.
 const Group& Instances::group(std::uint32_t number) const {

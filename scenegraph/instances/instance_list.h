@@ -63,14 +63,6 @@ class Instances {
   /// Whether open() need not make the members of an openable reference.
   bool is_open(const accel::kdtree::Reference& ref) const;
 
-  /// Whether rays search the members, from the coarsest on, instead of walking the tree. This holds
-  /// for a dynamic tree with clusters, while it has cost less than growing the tree.
-  bool is_searched() const;
-  /// Counts members that rays have tested in searches.
-  void count_searched(std::uint64_t tests) const {
-    searched_.fetch_add(tests, std::memory_order_relaxed);
-  }
-
   /// Calls visit(id, node, instance) for each root of a dynamic tree. `instance` is null unless the
   /// root is an instance without children.
   template <class Visit>
@@ -94,7 +86,6 @@ class Instances {
   struct Roots {
     std::vector<accel::kdtree::Reference> coarsest;
     std::unique_ptr<accel::lazy::LazyTree> tree;
-    bool in_clusters = false;
   };
 
   const Roots& opened_roots() const { return *roots_.load(std::memory_order_acquire); }
@@ -110,7 +101,7 @@ class Instances {
   LazyArray<std::atomic<const Instance*>> instances_;
   std::unique_ptr<Group> root_group_;
   mutable std::atomic<const Roots*> roots_{nullptr};
-  mutable std::atomic<std::uint64_t> opened_members_{0}, searched_{0};
+  mutable std::atomic<std::uint64_t> opened_members_{0};
 };
 
 }  // namespace sightline::scenegraph::instances

@@ -127,7 +127,6 @@ void Caster::walk_tree(const instances::OpenTree& tree, accel::kdtree::BuildCoun
   if (const auto only = kd.only()) return content.visit_only(*only, lanes);
   lanes = accel::wide::center(given_, tree.instances.center(), lanes, scene_.rays);
   lanes = accel::wide::prepare(scene_, kd.frame(), lanes);
-  if (tree.instances.is_searched()) return content.search_all(lanes);
   accel::lazy::GrowingLeaf(kd, scene_, cells_, counters_.walked, built, content).walk(lanes);
 }
 

@@ -40,13 +40,6 @@ class Caster::InstanceTests {
       caster_.enter(instance, first_ + id, lanes, built_);
   }
 
-  /// Searches all members instead of walking the tree: see instances::Instances::is_searched.
-  void search_all(std::uint32_t lanes) {
-    everything(lanes);
-    caster_.counters_.walked.steps += tests_;
-    tree_.count_searched(tests_);
-  }
-
   /// Whether an instance is entered depends only on the ray and the instance's box, not on the cell
   /// that holds it.
   void leaf(std::span<const std::uint32_t> ids, std::uint32_t lanes) {
@@ -74,7 +67,13 @@ class Caster::InstanceTests {
     }
   }
 
-  void everything(std::uint32_t lanes) { references(tree_.coarsest(), lanes); }
+  /// Counts the members tested as spent on the root.
+  void everything(const accel::kdtree::DeferredCell& root, std::uint32_t lanes) {
+    const std::uint64_t before = tests_;
+    references(tree_.coarsest(), lanes);
+    caster_.counters_.walked.steps += tests_ - before;
+    root.spent.fetch_add(tests_ - before, std::memory_order_relaxed);
+  }
 
  private:
   /// Visits a reference with rays that may meet its box. Opens groups.
