@@ -12,8 +12,8 @@
 #include "accel/geometry/intersect.h"
 #include "accel/wide/float_rays.h"
 #include "accel/wide/walk.h"
+#include "tests/fuzz/verdict/check_frustums.h"
 #include "tests/fuzz/verdict/check_packets.h"
-#include "tests/fuzz/verdict/check_pencils.h"
 #include "tests/fuzz/verdict/exact_answers.h"
 #include "tests/fuzz/verdict/float_verdicts.h"
 #include "tests/fuzz/verdict/verdict_tree.h"
@@ -218,7 +218,7 @@ std::optional<std::string> check_verdicts(const VerdictCase& asked, VerdictTally
   check.run();
   if (check.finding) return check.finding;
   if (auto wrong = check_packets(asked, tree, exact)) return wrong;
-  return check_pencils(asked, tree, tally.in_pencils);
+  return check_frustums(asked, tree, tally.in_frustums);
 }
 
 }  // namespace

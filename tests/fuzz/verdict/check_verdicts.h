@@ -14,7 +14,7 @@ struct VerdictTally {
   std::uint64_t packets = 0, pairs = 0, hits = 0;
   std::uint64_t sure_misses = 0, sure_hits = 0;  ///< Pairs that floats decide.
   std::uint64_t groups = 0;                      ///< Of several rays.
-  std::uint64_t in_pencils = 0;                  ///< Rays that pencils answer.
+  std::uint64_t in_frustums = 0;                 ///< Rays that frustums answer.
 };
 
 /// Searches a case for a counterexample to docs/hit_rule.md, sections 7 and 8, on one SIMD target
