@@ -135,7 +135,7 @@ void Caster::enter(const instances::Instance& instance, std::uint32_t index, std
                    accel::kdtree::BuildCounters& built) {
   if (frame_ == nullptr || *frame_ != instance.local_from_world) {
     frame_ = &instance.local_from_world;
-    in_frame_ = accel::wide::carry(given_, frame_->m, valid_, mesh_.rays);
+    in_frame_ = accel::wide::transform(given_, frame_->m, valid_, mesh_.rays);
   }
   lanes &= in_frame_;
   if (lanes == 0) return;

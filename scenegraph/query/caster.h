@@ -10,9 +10,9 @@
 
 #include "accel/kdtree/epoch.h"
 #include "accel/lazy/cell_query.h"
-#include "accel/wide/carry.h"
 #include "accel/wide/float_rays.h"
 #include "accel/wide/packet.h"
+#include "accel/wide/transform.h"
 #include "accel/wide/walk.h"
 #include "scenegraph/instances/scene_trees.h"
 #include "scenegraph/query/cast_counters.h"

@@ -5,7 +5,7 @@
 
 #include "accel/lazy/lazy_tree.h"
 #include "accel/mesh/mesh_tree.h"
-#include "accel/wide/carry.h"
+#include "accel/wide/transform.h"
 
 namespace sightline::scenegraph::query {
 namespace {
@@ -110,7 +110,7 @@ FrustumCaster::Lanes FrustumCaster::read(std::size_t first, std::size_t count) {
     group_->masks.read(rays_.mask, range);
     const std::uint32_t valid = accel::wide::valid(given, trees_.static_tree().center(),
                                                    group_->masks.seeing(only_->mask, range.lanes));
-    lanes[p] = accel::wide::carry(given, only_->local_from_world.m, valid, packet.rays);
+    lanes[p] = accel::wide::transform(given, only_->local_from_world.m, valid, packet.rays);
   }
   return lanes;
 }

@@ -245,7 +245,7 @@ TEST(Pose, StepsAndSplinesArePlayed) {
   EXPECT_EQ(x_at("CUBICSPLINE", spline, 3), 5);
 }
 
-// The node that carries the strip vanishes, but its joints do not.
+// The node that has the strip vanishes, but its joints do not.
 TEST(Pose, ASkinOutlivesItsNode) {
   GltfFile file = tests::bending_strip();
   file.animate(1, "scale", {0, 1}, {1, 1, 1, 0, 0, 0});
