@@ -67,7 +67,7 @@ FrustumLanes walk_frustum(std::span<Packet> packets, const Frame& frame, Child r
       HWY_DYNAMIC_DISPATCH(find_and_walk)(packets, frame, root, lanes, counters);
   if (packets[0].goal == Goal::kNearest) {
     for (std::size_t p = 0; p < packets.size(); ++p) {
-      if (done[p] != 0) settle_from_origin(packets[p], done[p]);
+      if (done[p] != 0) resolve_from_origin(packets[p], done[p]);
     }
   }
   return done;

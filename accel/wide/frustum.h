@@ -21,7 +21,7 @@ inline constexpr std::size_t kFrustumPackets = 4;
 using FrustumLanes = std::array<std::uint32_t, kFrustumPackets>;
 
 /// Takes rays through the finished tree below `root`. Returns the rays that are done: the best hits
-/// of their packets are settled. The others are not of one frustum, or come to a part of the tree
+/// of their packets are resolved. The others are not of one frustum, or come to a part of the tree
 /// that is not finished, or to more blocks than suits a frustum; their packets have found true
 /// hits, but not all that count.
 ///

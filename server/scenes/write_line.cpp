@@ -62,7 +62,7 @@ class WriteLine::Item {
 };
 
 Status WriteLine::ready() {
-  settle();
+  advance();
   if (!stalled()) return {};
   for (const auto& item : items_) {
     if (item->appended_ && outcome(*item) != Outcome::kFailed) {
@@ -88,7 +88,7 @@ WriteLine::Prepared WriteLine::prepare(Write write) {
 void WriteLine::add(Prepared prepared) noexcept {
   items_.splice(items_.end(), prepared);
   append_some();
-  settle();
+  advance();
 }
 
 /// Appends the writes that are not appended, up to one that makes no revision.
@@ -132,7 +132,7 @@ WriteLine::Outcome WriteLine::outcome(const Item& item) const {
   return item.outcome_->ok() ? Outcome::kCommitted : Outcome::kFailed;
 }
 
-void WriteLine::settle() {
+void WriteLine::advance() {
   while (!items_.empty()) {
     const std::shared_ptr<Item> item = items_.front();
     const Outcome known = outcome(*item);

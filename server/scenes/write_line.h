@@ -47,7 +47,7 @@ class WriteLine {
   struct Parts {
     Journal& journal;                 ///< Outlives the line.
     std::function<void()> roll_back;  ///< Drops what is applied and not published.
-    std::function<void()> noted;      ///< Called on any thread: settle() should be called.
+    std::function<void()> noted;      ///< Called on any thread: advance() should be called.
     std::function<std::shared_ptr<const void>()> owner;  ///< What keeps the line alive.
     /// Publishes what others have committed, before writes are made again. Empty: there are none.
     std::function<Status()> catch_up = {};
@@ -63,7 +63,7 @@ class WriteLine {
   void add(Prepared prepared) noexcept;
 
   /// Publishes and answers what can be.
-  void settle();
+  void advance();
 
   /// Writes that are not committed.
   std::size_t size() const { return items_.size(); }

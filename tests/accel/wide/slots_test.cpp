@@ -73,7 +73,7 @@ struct Walk {
   void run(Child root, Visitor& visitor) {
     kdtree::WalkCounters walked;
     walk(*packet, root, live, Leaf(visitor), walked);
-    if (packet->goal == Goal::kNearest && !packet->stopped) settle(*packet, live);
+    if (packet->goal == Goal::kNearest && !packet->stopped) resolve(*packet, live);
   }
 
   Answer answer(std::size_t lane) const {
