@@ -14,9 +14,9 @@
 #include <cstdint>
 
 #include "accel/blocks/block.h"
+#include "accel/wide/candidates-inl.h"
 #include "accel/wide/frustum_planes-inl.h"
 #include "accel/wide/frustum_rays-inl.h"
-#include "accel/wide/keep-inl.h"
 #include "accel/wide/walk-inl.h"
 #include "accel/wide/wide_tree.h"
 
@@ -194,7 +194,7 @@ class Frustum {
       lanes_[p] &= ~packet.best->found;
       return lanes_[p] != before;
     } else {
-      return keep(packet, words, i, verdict);
+      return add_candidates(packet, words, i, verdict);
     }
   }
 
