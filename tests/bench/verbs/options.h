@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "scenegraph/revision/tiers.h"
+#include "scenegraph/revision/levels.h"
 #include "scenegraph/trace.h"
 #include "tests/bench/scenes/ray_kinds.h"
 #include "tests/support/large_scene.h"
