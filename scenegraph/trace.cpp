@@ -22,7 +22,7 @@
 #include "scenegraph/query/caster.h"
 #include "scenegraph/query/frustum_caster.h"
 #include "scenegraph/query/ray_blocks.h"
-#include "scenegraph/query/scouts.h"
+#include "scenegraph/query/sample_rays.h"
 
 namespace sightline::scenegraph {
 namespace {
