@@ -36,14 +36,14 @@ struct JournalEntry {
   /// The result of Journal::encode(); these updates make the next revision. Nothing: a rejected
   /// batch.
   std::optional<std::string> updates;
-  std::vector<std::string> mesh_digests;          ///< Digests of the meshes that the updates put.
-  std::vector<scenegraph::model::NodeId> nodes;   ///< The nodes that the updates put, in order.
-  std::string request_id;                         ///< Empty: none.
-  std::uint64_t content = 0;                      ///< Digest of the request.
-  std::string producer;                           ///< Empty: none.
-  std::vector<ProducerBatch> batches;             ///< The producer's batches in the write.
-  std::shared_ptr<store::Fate> fate = {};         ///< See store::Batch::fate.
-  std::shared_ptr<const store::Fate> after = {};  ///< See store::Batch::after.
+  std::vector<std::string> mesh_digests;         ///< Digests of the meshes that the updates put.
+  std::vector<scenegraph::model::NodeId> nodes;  ///< The nodes that the updates put, in order.
+  std::string request_id;                        ///< Empty: none.
+  std::uint64_t content = 0;                     ///< Digest of the request.
+  std::string producer;                          ///< Empty: none.
+  std::vector<ProducerBatch> batches;            ///< The producer's batches in the write.
+  std::shared_ptr<store::BatchOutcome> outcome = {};      ///< See store::Batch::outcome.
+  std::shared_ptr<const store::BatchOutcome> after = {};  ///< See store::Batch::after.
 };
 
 /// The answer to a request with a request id.

@@ -154,14 +154,14 @@ WriteLine::Write StoredScene::line_write(JournalEntry entry,
                               .publish = [this, publication] { publish(*publication); },
                               .answer = write.answer};
   if (follower_) {
-    SceneWrite again = write;
-    again.answer = nullptr;
+    SceneWrite retried = write;
+    retried.answer = nullptr;
     // It goes on when its caller has gone: others may have joined it, or wait behind it.
     scenegraph::ApplyOptions uncancelled = options;
     uncancelled.cancelled = nullptr;
-    line_write.again = [this, options = std::move(uncancelled), again = std::move(again)](
+    line_write.retry = [this, options = std::move(uncancelled), retried = std::move(retried)](
                            const JournalEntry& lost, const WriteLine::Answer& answer) {
-      return write_again(lost, options, again, answer);
+      return retry_after_conflict(lost, options, retried, answer);
     };
   }
   return line_write;
@@ -276,7 +276,7 @@ Result<bool> StoredScene::find_earlier(const std::string& request_id, std::uint6
   if (waiting->content != content) return request_id_reused(request_id, waiting->expected + 1);
   line_->join(*waiting, [this, request_id, content, answer](const Result<Durability>& kept) {
     if (!kept) return answer({}, kept);
-    // The answer is looked up now: the write may have been made again since.
+    // The answer is looked up now: the write may have been retried since.
     const auto made = answers_.find(request_id, content);
     assert(made && *made);
     answer(**made, kept);

@@ -202,8 +202,8 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   /// Begins anew at what the journal has. Errors: as Journal::load.
   Status read_again();
   void set_progress(Producer& producer, KeptProducer kept);
-  Status write_again(const JournalEntry& entry, const scenegraph::ApplyOptions& options,
-                     const SceneWrite& write, const WriteLine::Answer& answer);
+  Status retry_after_conflict(const JournalEntry& entry, const scenegraph::ApplyOptions& options,
+                              const SceneWrite& write, const WriteLine::Answer& answer);
   Result<bool> find_repeat(const SceneWrite& write, const WriteLine::Answer& answer);
   static JournalEntry entry_of(const SceneWrite& write, const scenegraph::Applied& next);
   WriteLine::Write line_write(JournalEntry entry, const scenegraph::ApplyOptions& options,
