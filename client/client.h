@@ -54,7 +54,7 @@ struct ClientOptions {
 class Client {
  public:
   /// `endpoint` is HOST:PORT, unix:PATH, or HOST:PORT,HOST:PORT... of replicas. The first call
-  /// makes the connection, and a later call makes it again if it broke. Calls go to replicas in
+  /// makes the connection, and a later call reconnects if it broke. Calls go to replicas in
   /// turn, and to all addresses of a host's name; those that do not serve are left out. With TLS
   /// all replicas of a list need a certificate for the name of the first. Errors: kInvalidArgument,
   /// an endpoint of another form, a file that cannot be read, or a bad token; kUnauthenticated, a

@@ -86,8 +86,8 @@ struct Batch {
   std::vector<blobs::BlobDigest> blobs;  ///< Blobs that the updates name; they must be stored.
   std::optional<RequestAnswer> answer;
   std::vector<ProducerCommit> commits;  ///< In order; ascending sequences of each producer.
-  std::shared_ptr<BatchOutcome> outcome =
-      {};  ///< The outcome of this batch. Null: no batch names it.
+  /// The outcome of this batch. Null: no batch names it.
+  std::shared_ptr<BatchOutcome> outcome = {};
   /// The outcome of the batch before it, if that was appended and is not done. If that batch is not
   /// kept, this one is not either, even if another process has made the revision `expected`.
   std::shared_ptr<const BatchOutcome> after = {};

@@ -31,7 +31,7 @@ def connect(endpoint: Optional[str] = None, *, tls_ca: Optional[Path] = None, tl
     SIGHTLINE_TOKEN, goes with every call. timeout: seconds for each call; None: one minute for calls that send neither
     rays nor meshes, no limit for others.
 
-    The first call makes the connection, and a later one makes it again if it broke. Errors: ValueError, an endpoint of
+    The first call makes the connection, and a later one reconnects if it broke. Errors: ValueError, an endpoint of
     another form or a bad token; OSError, a file that cannot be read; Unauthenticated, a token that would be sent to
     another machine without encryption.
     """
