@@ -116,7 +116,7 @@ struct KeptScene {
   std::uint64_t incarnation = new_incarnation();
   /// The newest revision of the journal, which load() must read first. Nothing: it holds none.
   std::optional<std::uint64_t> unread = {};
-  /// The keeper's number of the scene. Later scenes have greater ones.
+  /// The catalog's number of the scene. Later scenes have greater ones.
   store::SceneId number = 0;
   /// Set if other servers write to the journal, too; else null.
   std::shared_ptr<Replica> replica = nullptr;
@@ -124,10 +124,10 @@ struct KeptScene {
   std::uint64_t node_bytes = 0;
 };
 
-/// Keeps scenes. Threads: any, for every member.
-class SceneKeeper {
+/// The catalog of the scenes that outlive the process. Threads: any, for every member.
+class SceneCatalog {
  public:
-  virtual ~SceneKeeper() = default;
+  virtual ~SceneCatalog() = default;
 
   /// Waits for the disk. Errors: kAlreadyExists, kResourceExhausted, kUnavailable.
   virtual Result<KeptScene> create(const SceneInfo& info) = 0;
