@@ -84,7 +84,7 @@ bool logs_rpcs();
 void log_rpc(std::string_view method, const grpc::ServerContextBase& context,
              const grpc::Status& status, LogClock::time_point begun, std::string_view more = {});
 
-/// As above; more() is only called if the line is written.
+/// Does the same; more() is only called if the line is written.
 template <class More>
   requires std::is_invocable_r_v<std::string, More>
 void log_rpc(std::string_view method, const grpc::ServerContextBase& context,

@@ -18,7 +18,7 @@ namespace sightline::tests {
 struct PlainNode {
   scenegraph::model::NodeId parent = 0;
   scenegraph::model::Affine parent_from_local;
-  std::shared_ptr<const scenegraph::model::Mesh> mesh;  ///< As it was put; null: a group.
+  std::shared_ptr<const scenegraph::model::Mesh> mesh;  ///< The mesh as it was put; null: a group.
   std::string mesh_digest;
   /// The current vertices if they were patched; null: those of the mesh.
   std::shared_ptr<const std::vector<accel::geometry::Vec3f>> vertices;

@@ -40,7 +40,7 @@ struct FrustumWalk {
   std::unique_ptr<BestHits> best = std::make_unique<BestHits>();
 };
 
-/// Of a camera.
+/// The rays of a camera.
 std::vector<Ray> frustum(double aim) {
   std::vector<Ray> rays;
   for (std::size_t i = 0; i < kLanes; ++i) {

@@ -28,7 +28,7 @@ using accel::kdtree::TreeMemory;
 using scenegraph::Growth;
 using scenegraph::revision::Snapshot;
 
-// As the server pauses between rounds of eviction, and looks at what it holds.
+// The server pauses like this between rounds of eviction, and looks at what it holds.
 constexpr std::chrono::milliseconds kPause{10}, kLook{250};
 
 // Sets of rays that take turns: what is looked at changes.

@@ -163,7 +163,7 @@ class VerdictCheck {
     const double exact = (*exact_.pair(lane, face).local - shift) * along;
     const double slack = static_cast<double>(floats().slack[lane]);
     expect(!(std::fabs(depth - exact) > off + slack), "a depth beyond its bound", lane, face);
-    // As the ray of floats begins elsewhere.
+    // The ray of floats begins elsewhere.
     const double o = ray.origin[z] - static_cast<double>(tree_.frame().center[z]),
                  sign = static_cast<double>(floats().sign[lane]);
     const double from_float =

@@ -43,7 +43,8 @@ std::shared_ptr<const revision::Snapshot> scene_of(const model::Affine& where) {
   return scene.snapshot();
 }
 
-/// Of a camera that looks at the scene, in several blocks; or toward it from all around.
+/// The rays of a camera that looks at the scene, in several blocks, or rays toward it from all
+/// around.
 std::vector<Ray> frustum(const revision::Snapshot& snapshot, std::uint64_t seed, bool toward) {
   tests::Random random(seed);
   const revision::WorldBounds& b = snapshot.bounds();
