@@ -34,7 +34,7 @@ namespace sightline::client {
 
 struct ClientOptions {
   /// How long a call may take before it fails with kDeadlineExceeded. If not set: one minute for
-  /// calls that carry neither rays nor meshes, and no limit for the others.
+  /// calls that send neither rays nor meshes, and no limit for the others.
   std::optional<std::chrono::milliseconds> timeout;
 
   /// PEM files. With `tls_ca` the connection is encrypted, and the server needs a certificate of
@@ -48,13 +48,13 @@ struct ClientOptions {
   bool own_connection = false;
 };
 
-/// Scenes are named projects/{project}/scenes/{scene}. Errors carry the server's code, message and
+/// Scenes are named projects/{project}/scenes/{scene}. Errors have the server's code, message and
 /// reason, or kUnavailable if the server cannot be reached. Calls that only read are retried before
 /// they fail with kUnavailable. Threads: any, for every member.
 class Client {
  public:
   /// `endpoint` is HOST:PORT, unix:PATH, or HOST:PORT,HOST:PORT... of replicas. The first call
-  /// makes the connection, and a later call makes it again if it broke. Calls go to replicas in
+  /// makes the connection, and a later call reconnects if it broke. Calls go to replicas in
   /// turn, and to all addresses of a host's name; those that do not serve are left out. With TLS
   /// all replicas of a list need a certificate for the name of the first. Errors: kInvalidArgument,
   /// an endpoint of another form, a file that cannot be read, or a bad token; kUnauthenticated, a
@@ -92,7 +92,7 @@ class Client {
   Result<SceneStats> scene_stats(const std::string& scene) const;
   /// Drops the scene's trees, which rays grow again. Returns about the bytes that they took.
   Result<std::uint64_t> cool_scene(const std::string& scene) const;
-  /// The mesh that a node carries now, as one revision has it. Errors: kNotFound;
+  /// The mesh that a node has now, as one revision has it. Errors: kNotFound;
   /// kFailedPrecondition (NODE_WITHOUT_MESH); kAborted, it changes faster than it can be read;
   /// kCancelled.
   Result<NodeMesh> read_mesh(const std::string& scene, std::uint64_t node,

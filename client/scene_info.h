@@ -20,7 +20,7 @@ struct SceneInfo {
   /// In a list: the server has not read the scene from its disk yet, and all below is not known.
   bool unread = false;
   std::uint64_t nodes = 0;
-  std::uint64_t instances = 0;  ///< nodes that carry a mesh
+  std::uint64_t instances = 0;  ///< nodes that have a mesh
   std::uint64_t meshes = 0;     ///< distinct by content, as are unique triangles
   std::uint64_t triangles_unique = 0;
   std::uint64_t triangles_instanced = 0;
@@ -59,7 +59,7 @@ struct NodeInfo {
   bool patched = false;  ///< vertices were changed since the mesh of that digest was put
 };
 
-/// What a node carries, in the mesh's frame.
+/// What a node has, in the mesh's frame.
 struct NodeMesh {
   std::uint64_t revision = 0;
   std::vector<Vertex> vertices;

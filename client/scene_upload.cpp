@@ -16,7 +16,7 @@
 namespace sightline::client {
 namespace {
 
-// The blobs of the meshes that nodes carry, by mesh; the others stay empty. Meshes of equal content
+// The blobs of the meshes that nodes have, by mesh; the others stay empty. Meshes of equal content
 // get different copy numbers, so that the scene has as many meshes as the file.
 struct Blobs {
   std::vector<std::optional<MeshBlob>> blob;

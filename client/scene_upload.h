@@ -48,7 +48,7 @@ Result<std::vector<std::uint64_t>> add_to_scene(const Client& client, const std:
                                                 const SceneUploadOptions& options,
                                                 const SceneUploadProgress& progress = {});
 
-/// The digests that upload_scene gives to the meshes; empty for a mesh that no node carries.
+/// The digests that upload_scene gives to the meshes; empty for a mesh that no node has.
 std::vector<std::string> mesh_digests(const importer::ImportedScene& scene);
 
 }  // namespace sightline::client

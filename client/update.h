@@ -40,7 +40,7 @@ struct DeleteNode {
   bool subtree = false;  ///< required if the node has children
 };
 
-/// New positions for some vertices of a mesh; its faces stay. The nodes must carry the same mesh.
+/// New positions for some vertices of a mesh; its faces stay. The nodes must have the same mesh.
 /// They share the new mesh; other nodes keep the old one.
 struct PatchVertices {
   std::vector<NodeRef> nodes;

@@ -104,13 +104,13 @@ void Scene::renew_trees(const Renew& renew) {
 
 /// The static merge that is due. It does not begin while trees are merged that it would hold. The
 /// writer's lock is held.
-std::optional<revision::TierRange> Scene::due_static_merge(const revision::Snapshot& now) const {
+std::optional<revision::LevelRange> Scene::due_static_merge(const revision::Snapshot& now) const {
   if (merge_state_.static_up_to > 0 || merge_state_.dynamic_up_to > 0) return std::nullopt;
   return revision::due_static_merge(now);
 }
 
 /// The dynamic merge that is due. The writer's lock is held.
-std::optional<revision::TierRange> Scene::due_dynamic_merge(const revision::Snapshot& now) const {
+std::optional<revision::LevelRange> Scene::due_dynamic_merge(const revision::Snapshot& now) const {
   if (merge_state_.dynamic_up_to > 0) return std::nullopt;
   return revision::due_dynamic_merge(now, merge_state_);
 }
@@ -129,27 +129,27 @@ void Scene::merge(std::mutex& merging, std::uint64_t& up_to, const Due& due) {
   const std::unique_lock lock(merging, std::try_to_lock);
   if (!lock.owns_lock()) return;
   std::shared_ptr<const revision::Snapshot> base;
-  std::optional<revision::TierRange> range;
+  std::optional<revision::LevelRange> range;
   {
     const std::lock_guard writer(writer_);
     base = snapshot();
     if (base->shared_trees().static_tree()->instances_so_far() == nullptr) return;
     range = due(*base);
-    if (!range || !has_tiers(*newest().snapshot, *base, *range)) return;
-    up_to = base->shared_trees().tiers[range->end - 1].last;
+    if (!range || !has_levels(*newest().snapshot, *base, *range)) return;
+    up_to = base->shared_trees().levels[range->end - 1].last;
   }
-  std::optional<instances::Tier> tier;
+  std::optional<instances::Level> level;
   try {
-    tier = merged(*base, *range);
+    level = merged(*base, *range);
   } catch (const std::bad_alloc&) {  // the trees stay as they are
   }
   const std::lock_guard writer(writer_);
   up_to = 0;
-  if (!tier || !has_tiers(*snapshot(), *base, *range) ||
-      !has_tiers(*newest().snapshot, *base, *range))
+  if (!level || !has_levels(*snapshot(), *base, *range) ||
+      !has_levels(*newest().snapshot, *base, *range))
     return;
   renew_trees(
-      [&](const revision::Snapshot& now) { return with_merged(now, *base, *range, *tier); });
+      [&](const revision::Snapshot& now) { return with_merged(now, *base, *range, *level); });
 }
 
 std::uint64_t Scene::drop_trees() {
@@ -157,9 +157,9 @@ std::uint64_t Scene::drop_trees() {
   {
     const std::lock_guard writer(writer_);
     now = snapshot();
-    const std::vector<instances::Tier>& tiers = now->shared_trees().tiers;
-    if (std::ranges::any_of(tiers, [](const instances::Tier& tier) {
-          return tier.tree->instances_so_far() != nullptr;
+    const std::vector<instances::Level>& levels = now->shared_trees().levels;
+    if (std::ranges::any_of(levels, [](const instances::Level& level) {
+          return level.tree->instances_so_far() != nullptr;
         })) {
       renew_trees([](const revision::Snapshot& old) {
         return std::make_shared<const revision::Snapshot>(old.revision(), old.hierarchy());

@@ -17,8 +17,8 @@
 
 #include "proto/result.h"
 #include "scenegraph/model/update.h"
+#include "scenegraph/revision/levels.h"
 #include "scenegraph/revision/snapshot.h"
-#include "scenegraph/revision/tiers.h"
 
 namespace sightline::scenegraph {
 
@@ -108,8 +108,8 @@ class Scene {
   void renew_trees(const Renew& renew);
   template <class Due>
   void merge(std::mutex& merging, std::uint64_t& up_to, const Due& due);
-  std::optional<revision::TierRange> due_static_merge(const revision::Snapshot& now) const;
-  std::optional<revision::TierRange> due_dynamic_merge(const revision::Snapshot& now) const;
+  std::optional<revision::LevelRange> due_static_merge(const revision::Snapshot& now) const;
+  std::optional<revision::LevelRange> due_dynamic_merge(const revision::Snapshot& now) const;
 
   mutable std::mutex writer_;
   std::deque<SceneState> unpublished_;  // guarded by writer_; oldest first

@@ -20,9 +20,9 @@
 #include "accel/kdtree/epoch.h"
 #include "accel/kdtree/last_use.h"
 #include "scenegraph/query/caster.h"
-#include "scenegraph/query/pencil_caster.h"
+#include "scenegraph/query/frustum_caster.h"
 #include "scenegraph/query/ray_blocks.h"
-#include "scenegraph/query/scouts.h"
+#include "scenegraph/query/sample_rays.h"
 
 namespace sightline::scenegraph {
 namespace {
@@ -62,7 +62,7 @@ Result<TraceStats> trace_blocks(const revision::Snapshot& snapshot, QueryKind ki
 }
 
 /// Casts every ray. Calls keep(Caster, first, lanes) where the caster has the answers to some rays
-/// from `first` on, which have a bit in `lanes`. Pencils write their answers to `hits`, if that is
+/// from `first` on, which have a bit in `lanes`. Frustums write their answers to `hits`, if that is
 /// not null.
 template <class Keep>
 Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
@@ -71,8 +71,8 @@ Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
   const auto answer = [&](const instances::OpenTrees& trees, const RayBlock& block) {
     EpochPin pin;
     Caster caster(pin, trees, kind, options);
-    std::optional<query::PencilCaster> pencils;
-    if (hits != nullptr) pencils.emplace(pin, trees, options, rays, *hits);
+    std::optional<query::FrustumCaster> frustums;
+    if (hits != nullptr) frustums.emplace(pin, trees, options, rays, *hits);
     const auto cast = [&](const RayPacket& packet, WhenPending when_pending) {
       const std::uint32_t answered = caster.cast(rays, packet, when_pending);
       if (answered != 0) keep(caster, packet.first, answered);
@@ -82,13 +82,13 @@ Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
     for (std::size_t i = block.first; i < block.end && !is_cancelled(options.cancelled);
          i += kLanes) {
       RayPacket packet{i, std::min(kLanes, block.end - i)};
-      if (pencils && pencils->answers(packet, block.end)) continue;
+      if (frustums && frustums->answers(packet, block.end)) continue;
       packet.lanes = cast(packet, WhenPending::kReturn);
       if (packet.lanes != 0) postponed.push_back(packet);
     }
     query::answer_postponed(postponed, caster, options.cancelled, cast);
     TraceStats stats = caster.stats();
-    if (pencils) stats += pencils->stats();
+    if (frustums) stats += frustums->stats();
     return stats;
   };
   return trace_blocks(snapshot, kind, rays, kRaysPerBlock, options, answer);

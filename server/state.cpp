@@ -79,13 +79,13 @@ State::State(const ServerConfig& c, std::unique_ptr<store::Store> disk, shards::
                .shared = false}),
       store(std::move(disk)),
       blobs(memory, {}, store.get()),
-      keeper(store == nullptr
-                 ? nullptr
-                 : std::make_unique<durable::StoreKeeper>(
-                       durable::StoreParts{*store, blobs, compute},
-                       store->shared() ? std::make_shared<scenes::Replica>(c.max_staleness)
-                                       : nullptr)),
-      scenes(memory, keeper.get()),
+      catalog(store == nullptr
+                  ? nullptr
+                  : std::make_unique<durable::StoreCatalog>(
+                        durable::StoreParts{*store, blobs, compute},
+                        store->shared() ? std::make_shared<scenes::Replica>(c.max_staleness)
+                                        : nullptr)),
+      scenes(memory, catalog.get()),
       pins(c.memory_budget),
       reclaimer(memory, scenes, blobs, pins),
       eviction(reclaimer, *memory.trees()),
@@ -98,7 +98,7 @@ State::State(const ServerConfig& c, std::unique_ptr<store::Store> disk, shards::
 Status State::open() {
   if (Status opened = scenes.open(); !opened) return opened;
   if (store != nullptr && store->shared())
-    follower.emplace(durable::StoreParts{*store, blobs, compute}, *keeper, scenes);
+    follower.emplace(durable::StoreParts{*store, blobs, compute}, *catalog, scenes);
   return {};
 }
 

@@ -7,8 +7,8 @@
 #include "proto/result.h"
 #include "server/blobs/blob_store.h"
 #include "server/config.h"
+#include "server/durable/store_catalog.h"
 #include "server/durable/store_follower.h"
-#include "server/durable/store_keeper.h"
 #include "server/durable/sweeper.h"
 #include "server/exec/admission.h"
 #include "server/exec/call_registry.h"
@@ -47,7 +47,7 @@ struct State {
       watches, scene_puts, uploads, backups;
   const std::unique_ptr<store::Store> store;  // null: scenes are in memory only
   blobs::BlobStore blobs;
-  const std::unique_ptr<durable::StoreKeeper> keeper;  // null without a store
+  const std::unique_ptr<durable::StoreCatalog> catalog;  // null without a store
   scenes::SceneStore scenes;
   scenes::RevisionPins pins;
   std::optional<durable::Sweeper> sweeper;  // with a store

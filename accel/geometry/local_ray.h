@@ -29,10 +29,10 @@ struct LocalRay {
 inline bool set_local_origin(const Vec3d& origin, LocalRay& ray) {
   const double most = std::max({std::fabs(origin.x), std::fabs(origin.y), std::fabs(origin.z)});
   if (!is_finite(origin) || most > kLargestRay) return false;
-  const auto settled = [](double x) { return std::fabs(x) < kSmallestRay ? 0.0 : x; };
-  ray.origin.x = settled(origin.x);
-  ray.origin.y = settled(origin.y);
-  ray.origin.z = settled(origin.z);
+  const auto flushed = [](double x) { return std::fabs(x) < kSmallestRay ? 0.0 : x; };
+  ray.origin.x = flushed(origin.x);
+  ray.origin.y = flushed(origin.y);
+  ray.origin.z = flushed(origin.z);
   return true;
 }
 
@@ -47,11 +47,11 @@ inline bool set_local_ray(const Vec3d& origin, const Vec3d& direction, LocalRay&
   const auto exponent = static_cast<int>(std::bit_cast<std::uint64_t>(most) >> 52) - 1023;
   // The unit of a direction this short or long would not be a normal double.
   if (exponent < -1000 || exponent > 1000 || !set_local_origin(origin, ray)) return false;
-  const auto settled = [](double x) { return std::fabs(x) < kSmallestRay ? 0.0 : x; };
+  const auto flushed = [](double x) { return std::fabs(x) < kSmallestRay ? 0.0 : x; };
   const double unit = std::bit_cast<double>(static_cast<std::uint64_t>(1023 - exponent) << 52);
-  ray.direction.x = settled(direction.x * unit);
-  ray.direction.y = settled(direction.y * unit);
-  ray.direction.z = settled(direction.z * unit);
+  ray.direction.x = flushed(direction.x * unit);
+  ray.direction.y = flushed(direction.y * unit);
+  ray.direction.z = flushed(direction.z * unit);
   ray.unit = unit;
   return true;
 }

@@ -35,7 +35,7 @@ class Faces {
     return face_references(mesh_, begin, end, out);
   }
 
-  /// Makes references again, by ranges of consecutive faces.
+  /// Remakes references from ids, by ranges of consecutive faces.
   void again(std::span<const std::uint32_t> ids, kdtree::Reference* out,
              kdtree::BuildCounters& counters) const {
     counters.touches_prepare += ids.size();

@@ -162,7 +162,7 @@ void query_faces(lazy::LazyTree& tree, const geometry::MeshView& mesh, wide::Pac
   tree.count_rays(static_cast<std::uint64_t>(std::popcount(lanes)));
   FaceTests faces(mesh, tree.tree().bounds(), packet, cells, walked);
   lazy::GrowingLeaf(tree, packet, cells, walked, built, faces).walk(lanes);
-  if (packet.goal == wide::Goal::kNearest && !packet.stopped) wide::settle(packet, packet.live);
+  if (packet.goal == wide::Goal::kNearest && !packet.stopped) wide::resolve(packet, packet.live);
 }
 
 }  // namespace sightline::accel::mesh

@@ -40,12 +40,12 @@ void MeshTree::query(wide::Packet& packet, std::uint32_t lanes, lazy::CellQuery&
   }
 }
 
-wide::PencilLanes MeshTree::query_pencil(std::span<wide::Packet> packets,
-                                         const wide::PencilLanes& lanes,
-                                         kdtree::WalkCounters& walked) {
+wide::FrustumLanes MeshTree::query_frustum(std::span<wide::Packet> packets,
+                                           const wide::FrustumLanes& lanes,
+                                           kdtree::WalkCounters& walked) {
   auto* tree = std::get_if<lazy::LazyTree>(&tree_);
   if (tree == nullptr || !tree->makes_blocks()) return {};
-  return wide::walk_pencil(packets, tree->frame(), wide::Child::at(tree->root()), lanes, walked);
+  return wide::walk_frustum(packets, tree->frame(), wide::Child::at(tree->root()), lanes, walked);
 }
 
 void MeshTree::query_whole(WholeTree& tree, FaceTest& test, const lazy::CellQuery& cells,

@@ -15,7 +15,7 @@
 #include "accel/mesh/mesh_stats.h"
 #include "accel/mesh/tree_builder.h"
 #include "accel/mesh/whole_tree.h"
-#include "accel/wide/pencil.h"
+#include "accel/wide/frustum.h"
 
 namespace sightline::accel::mesh {
 
@@ -37,10 +37,10 @@ class MeshTree {
   void query(wide::Packet& packet, std::uint32_t lanes, lazy::CellQuery& cells,
              kdtree::WalkCounters& walked, kdtree::BuildCounters& built);
 
-  /// Finds any or the nearest hits of a pencil where the tree is finished, and returns the rays
-  /// that are done: see wide::walk_pencil().
-  wide::PencilLanes query_pencil(std::span<wide::Packet> packets, const wide::PencilLanes& lanes,
-                                 kdtree::WalkCounters& walked);
+  /// Finds any or the nearest hits of a frustum where the tree is finished, and returns the rays
+  /// that are done: see wide::walk_frustum().
+  wide::FrustumLanes query_frustum(std::span<wide::Packet> packets, const wide::FrustumLanes& lanes,
+                                   kdtree::WalkCounters& walked);
 
   /// Expands every cell, or ends soon after `cancelled` is true. A whole tree whose build has begun
   /// is completed.

@@ -168,7 +168,7 @@ std::uint32_t with_best(const Packet& packet, std::uint32_t lanes) {
 }
 
 /// Decides the best candidates, which are certain hits by floats.
-void settle_best(Packet& packet, std::uint32_t lanes) {
+void resolve_best(Packet& packet, std::uint32_t lanes) {
   const Candidates& all = packet.candidates;
   lanes = with_best(packet, lanes);
   if (std::popcount(lanes) < kTogether) {
@@ -199,7 +199,7 @@ SeenPlane seen_plane(const Packet& packet, const Block& block, std::uint32_t tri
 
 /// Decides the best candidates of rays with one origin, triangle by triangle. That they are hits is
 /// certain; only their t is computed, where doubles give it.
-void settle_best_from_origin(Packet& packet, std::uint32_t lanes) {
+void resolve_best_from_origin(Packet& packet, std::uint32_t lanes) {
   const Candidates& all = packet.candidates;
   Column<double> t;
   for (std::uint32_t left = with_best(packet, lanes); left != 0;) {
@@ -223,7 +223,7 @@ void settle_best_from_origin(Packet& packet, std::uint32_t lanes) {
 }
 
 /// Decides the other candidates, which are not certain to be hits, or to be the nearest.
-void settle_others(Packet& packet, std::uint32_t lanes) {
+void resolve_others(Packet& packet, std::uint32_t lanes) {
   const Candidates& all = packet.candidates;
   for (; lanes != 0; lanes &= lanes - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
@@ -294,14 +294,14 @@ void remember(Packet& packet, std::size_t lane, const std::uint32_t* block, std:
   all.count[lane] = static_cast<std::uint8_t>(count + 1);
 }
 
-void settle(Packet& packet, std::uint32_t lanes) {
-  settle_best(packet, lanes);
-  settle_others(packet, lanes);
+void resolve(Packet& packet, std::uint32_t lanes) {
+  resolve_best(packet, lanes);
+  resolve_others(packet, lanes);
 }
 
-void settle_from_origin(Packet& packet, std::uint32_t lanes) {
-  settle_best_from_origin(packet, lanes);
-  settle_others(packet, lanes);
+void resolve_from_origin(Packet& packet, std::uint32_t lanes) {
+  resolve_best_from_origin(packet, lanes);
+  resolve_others(packet, lanes);
 }
 
 }  // namespace sightline::accel::wide

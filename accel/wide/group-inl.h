@@ -12,9 +12,9 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "accel/wide/candidates-inl.h"
 #include "accel/wide/float_rays.h"
 #include "accel/wide/group_bounds-inl.h"
-#include "accel/wide/keep-inl.h"
 #include "accel/wide/single-inl.h"
 #include "accel/wide/walk-inl.h"
 
@@ -175,7 +175,7 @@ class Group {
     } else if constexpr (kGoal == Goal::kEvery) {
       return offer_every(packet_, words, triangle, verdict);
     } else {
-      return keep(packet_, words, triangle, verdict);
+      return add_candidates(packet_, words, triangle, verdict);
     }
   }
 

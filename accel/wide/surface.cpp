@@ -123,7 +123,7 @@ geometry::Vec3f vertex(const std::array<Column<double>, 3>& columns, std::size_t
 void find_surfaces(const GivenRays& given, const BestHits& hits, const Matrix& matrix,
                    std::uint32_t lanes, Surfaces& out) {
   Rays rays;
-  carry(given, matrix, lanes, rays);
+  transform(given, matrix, lanes, rays);
   HitTriangles triangles;
   const auto first = static_cast<std::size_t>(std::countr_zero(lanes));
   for (std::size_t lane = 0; lane < kLanes; ++lane)

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "accel/wide/carry.h"
 #include "accel/wide/packet.h"
+#include "accel/wide/transform.h"
 
 namespace sightline::accel::wide {
 

@@ -57,7 +57,7 @@ struct Walked {
 std::uint32_t meeting(const Packet& packet, const geometry::Aabb& box, std::uint32_t lanes);
 
 /// Takes the rays in `lanes`, which prepare() has found live, through the tree below `root`. By
-/// Packet::goal: remembers pairs that may be the nearest hits (settle()), finds which rays have a
+/// Packet::goal: remembers pairs that may be the nearest hits (resolve()), finds which rays have a
 /// hit, or offers every hit to the sinks.
 void walk(Packet& packet, Child root, std::uint32_t lanes, const Leaf& leaf,
           kdtree::WalkCounters& counters);

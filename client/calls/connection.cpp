@@ -89,7 +89,7 @@ Result<std::shared_ptr<grpc::Channel>> open_channel(const Endpoint& endpoint,
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   arguments.SetUserAgentPrefix("sightline/" SIGHTLINE_VERSION);
-  // A proxy would carry what must not leave this machine.
+  // A proxy would send out what must not leave this machine.
   if (endpoint.is_local()) arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   if (const std::string authority = endpoint.authority(); !authority.empty())
     arguments.SetString(GRPC_ARG_DEFAULT_AUTHORITY, authority);

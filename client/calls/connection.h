@@ -121,7 +121,7 @@ struct Connection {
   /// may fail on a busy machine. If the connection does not come about, the call fails.
   void wait_until_connected() const;
 
-  /// The timeout of calls that carry neither rays nor meshes.
+  /// The timeout of calls that send neither rays nor meshes.
   std::chrono::milliseconds small_timeout() const {
     return timeout.value_or(std::chrono::minutes(1));
   }

@@ -103,7 +103,7 @@ struct Rig {
   std::vector<Transform> parent_from_local;  ///< each node's at rest, in the file
   Transform scene_from_file = kIdentity;     ///< applied before the roots
   /// What was subtracted from each mesh's vertices, and added to the transforms of the nodes that
-  /// carry it
+  /// have it
   std::vector<Point> offsets;
   /// Each mesh's vertices without a pose, in the file. Empty for a mesh without skin and shapes.
   std::vector<std::vector<Point>> vertices;

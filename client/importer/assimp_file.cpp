@@ -158,7 +158,7 @@ Result<FileScene> read_with_assimp(const SceneFile& file) {
   }
   auto scene = file_scene_from_assimp(source->scene(), source->importer_name());
   if (!scene) return scene;
-  settle_omissions(source->importer_name(), file.bytes, *scene);
+  correct_omissions(source->importer_name(), file.bytes, *scene);
   if (is_of("IFC")) {
     check_ifc(file.bytes, *scene);
   } else if (is_collada) {

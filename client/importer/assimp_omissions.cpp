@@ -68,7 +68,7 @@ Weights weights_of(std::string_view text) {
 }
 
 // A weight that may be 0 or 1, or anything, is taken as 0.
-void settle_weights(bool is_fbx, std::string_view bytes, FileScene& scene) {
+void correct_weights(bool is_fbx, std::string_view bytes, FileScene& scene) {
   const Weights listed = is_fbx ? Weights{true, true} : weights_of(bytes);
   if (listed.has_one && !listed.has_zero) return;
   std::uint64_t unknown = 0;
@@ -153,10 +153,10 @@ void warn_of_unread_elements(std::string_view text, FileScene& scene) {
 
 }  // namespace
 
-void settle_omissions(std::string_view importer_name, std::string_view bytes, FileScene& scene) {
+void correct_omissions(std::string_view importer_name, std::string_view bytes, FileScene& scene) {
   const bool is_fbx = importer_name.find("FBX") != std::string_view::npos;
   const bool is_collada = importer_name.find("Collada") != std::string_view::npos;
-  if (is_fbx || is_collada) settle_weights(is_fbx, bytes, scene);
+  if (is_fbx || is_collada) correct_weights(is_fbx, bytes, scene);
   if (!is_collada) return;
   warn_of_interpolations(bytes, scene);
   warn_of_unread_elements(bytes, scene);

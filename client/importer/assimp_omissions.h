@@ -10,6 +10,6 @@ namespace sightline::client::importer {
 /// Corrects by the text of the file what Assimp's importer of this name reports wrongly, and warns
 /// about what it does not report: weights of shapes at rest (for Collada it reports 1 for 0, for
 /// FBX mostly 1), and interpolations of Collada that are not linear.
-void settle_omissions(std::string_view importer_name, std::string_view bytes, FileScene& scene);
+void correct_omissions(std::string_view importer_name, std::string_view bytes, FileScene& scene);
 
 }  // namespace sightline::client::importer

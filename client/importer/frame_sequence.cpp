@@ -98,15 +98,15 @@ std::vector<bool> changed_meshes(const ImportedScene& first,
 Pose pose_of(ImportedScene& frame, const std::vector<bool>& nodes,
              const std::vector<bool>& meshes) {
   Pose pose;
-  std::vector<std::vector<std::uint32_t>> carriers(frame.meshes.size());
+  std::vector<std::vector<std::uint32_t>> nodes_of_mesh(frame.meshes.size());
   for (std::uint32_t i = 0; i < frame.nodes.size(); ++i) {
     const ImportedNode& node = frame.nodes[i];
     if (nodes[i]) pose.placed.push_back({i, node.parent_from_local});
-    if (node.mesh != kNone && meshes[node.mesh]) carriers[node.mesh].push_back(i);
+    if (node.mesh != kNone && meshes[node.mesh]) nodes_of_mesh[node.mesh].push_back(i);
   }
-  for (std::size_t m = 0; m < carriers.size(); ++m) {
-    if (carriers[m].empty()) continue;
-    pose.shaped.push_back({std::move(carriers[m]), std::move(frame.meshes[m].vertices)});
+  for (std::size_t m = 0; m < nodes_of_mesh.size(); ++m) {
+    if (nodes_of_mesh[m].empty()) continue;
+    pose.shaped.push_back({std::move(nodes_of_mesh[m]), std::move(frame.meshes[m].vertices)});
   }
   return pose;
 }

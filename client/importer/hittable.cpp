@@ -34,7 +34,7 @@ bool has_area(const Vertex& a, const Vertex& b, const Vertex& c) {
 struct Contents {
   std::uint64_t vertices = 0, triangles = 0, lines_and_points = 0;
   std::uint64_t points = 0;  // vertices of meshes that have points, or no faces
-  std::uint64_t placed = 0;  // triangles of meshes that nodes carry
+  std::uint64_t placed = 0;  // triangles of meshes that nodes have
   std::uint64_t finite = 0;  // placed triangles without a bad vertex
   bool hittable = false;
 };
@@ -83,7 +83,7 @@ std::string why_not_hittable(const ImportedScene& scene, std::string_view file) 
     return fmt::format("each of its {} triangles has a vertex that is not finite", contents.placed);
   }
   if (contents.triangles > 0)
-    return fmt::format("no node carries one of its {} triangles", contents.triangles);
+    return fmt::format("no node has one of its {} triangles", contents.triangles);
   if (contents.points > 0)
     return fmt::format("it is a point cloud: {} points, and no faces", contents.points);
   if (contents.lines_and_points > 0)

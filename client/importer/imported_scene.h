@@ -1,4 +1,4 @@
-// A scene file as plain arrays (meshes, and the hierarchy of nodes that carry them), and how it is
+// A scene file as plain arrays (meshes, and the hierarchy of nodes that have them), and how it is
 // imported.
 #pragma once
 

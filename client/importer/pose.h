@@ -14,7 +14,7 @@ struct Pose {
     Transform parent_from_local = kIdentity;
   };
   struct Shaped {
-    std::vector<std::uint32_t> nodes;  ///< nodes that carry the same mesh, and share its new shape
+    std::vector<std::uint32_t> nodes;  ///< nodes that have the same mesh, and share its new shape
     std::vector<Vertex> vertices;      ///< all vertices of the mesh, in its frame as imported
   };
   std::vector<Placed> placed;
@@ -23,7 +23,7 @@ struct Pose {
 
 /// Returns everything that the animation moves, in the frame of `animated.scene`, with the same
 /// turn, scale and rebasing. Computed in double; vertices are rounded once, at the end. A skin is
-/// applied in the frame of the node that carries it, so that the bones determine where its vertices
+/// applied in the frame of the node that has it, so that the bones determine where its vertices
 /// are in the world, whatever moves that node.
 Pose pose(const AnimatedScene& animated, const Animation& animation, double seconds);
 

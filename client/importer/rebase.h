@@ -20,7 +20,7 @@ struct Rebased {
 };
 
 /// Subtracts an offset from the vertices of each mesh, adds it to the transforms of the nodes that
-/// carry the mesh, and leaves vertices that are floats.
+/// have the mesh, and leaves vertices that are floats.
 ///
 /// If all vertices are floats, nothing is rounded, and all meshes have one offset: on an axis where
 /// all vertices lie kFar steps or more on one side of zero, the multiple of the step nearest to
@@ -35,7 +35,7 @@ struct Rebased {
 /// lose less, is a note.
 ///
 /// Vertices or whole meshes that were equal stay equal, and different ones that are floats stay
-/// different. Offsets are 0 if a node that carries a mesh has children, because they would have to
+/// different. Offsets are 0 if a node that has a mesh has children, because they would have to
 /// be moved back, or if a translation cannot hold its sum with the offset without rounding.
 /// Vertices that are not finite are not changed.
 Rebased rebase(std::vector<FileMesh>& meshes, std::vector<ImportedNode>& nodes);

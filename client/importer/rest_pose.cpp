@@ -103,11 +103,11 @@ class Parting {
     copy_deformations(node, moved);
   }
 
-  struct Carried {
+  struct NodeMesh {
     std::uint32_t node, mesh;
   };
   // Renames a node and a mesh in the deformations of that mesh.
-  void rename(const Carried& from, const Carried& to) {
+  void rename(const NodeMesh& from, const NodeMesh& to) {
     for (Animation& animation : scene_.animations) {
       for (Deformation& deformation : animation.deformations) {
         if (deformation.node != from.node || deformation.mesh != from.mesh) continue;

@@ -12,7 +12,7 @@ namespace sightline::client::importer {
 /// shapes.
 ///
 /// Each node with a skin gets a mesh of its own, because a skin is applied in the node's frame. It
-/// does not move what it carries: if its scale in the scene is 0 at rest, or may be 0 in an
+/// does not move its meshes: if its scale in the scene is 0 at rest, or may be 0 in an
 /// animation, then the mesh moves to a new node of the same name that has no parent, and the node
 /// keeps the rest of its meshes. Nodes and bones must be in range.
 std::vector<std::vector<Point>> apply_rest_pose(FileScene& scene);

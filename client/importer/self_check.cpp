@@ -1,4 +1,4 @@
-// Looks at each part once, however many nodes carry it.
+// Looks at each part once, however many nodes have it.
 #include "client/importer/self_check.h"
 
 #include <fmt/format.h>
@@ -20,7 +20,7 @@ namespace {
 // A node whose transform has a larger condition number is stored and never hit.
 constexpr double kMaxCondition = 1e12;
 
-// The first node of the file that carries the meshes of each part, by these meshes.
+// The first node of the file that has the meshes of each part, by these meshes.
 std::map<std::vector<std::uint32_t>, std::size_t> parts_of(const std::vector<FileNode>& nodes) {
   std::map<std::vector<std::uint32_t>, std::size_t> parts;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -70,7 +70,7 @@ class Closedness {
   std::uint64_t solids_ = 0, odd_ = 0, tried_ = 0;
 };
 
-// Whether no ray can be carried into the frame: there is no inverse, or its condition number
+// Whether no ray can be transformed into the frame: there is no inverse, or its condition number
 // |A| |A^-1| is above the server's limit.
 bool is_flat(const Transform& m) {
   const auto at = [&](std::size_t r, std::size_t c) { return m[4 * (r % 3) + c % 3]; };

@@ -23,7 +23,7 @@ def torus(ring=2.0, tube=0.7, around=60, across=30):
 
 
 def is_inside(scene, points, under=0):
-    """bool (...) for points (..., 3). under: a node that carries closed meshes; 0: the whole scene is one."""
+    """bool (...) for points (..., 3). under: a node that has closed meshes; 0: the whole scene is one."""
     crossings = scene.cast(origins=points, directions=DIRECTION, kind="count", under=under).count
     return crossings % 2 == 1
 

@@ -11,7 +11,7 @@
 
 namespace sightline::scenegraph::hierarchy {
 
-/// What is known of a node with all nodes below it. An instance is a node that carries a mesh with
+/// What is known of a node with all nodes below it. An instance is a node that has a mesh with
 /// at least one finite triangle, and that has no flat node on the way up to the summed one, itself
 /// included. Without instances the extremes are those of an empty set: any other value exceeds
 /// them.
@@ -38,7 +38,7 @@ struct NodeSummary {
   std::uint32_t height = 0;
   std::uint32_t height_count = 0;  ///< In a sum, the number of parts that reach it.
 
-  std::uint64_t mesh_nodes = 0;  ///< Nodes that carry a mesh, empty and flat ones too.
+  std::uint64_t mesh_nodes = 0;  ///< Nodes that have a mesh, empty and flat ones too.
   std::uint64_t triangles = 0;   ///< Triangles of their meshes.
   std::uint64_t instances = 0;
   std::uint64_t entry_cost = 0;  ///< Sum of the instances' entry costs.

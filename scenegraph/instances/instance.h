@@ -11,7 +11,7 @@
 
 namespace sightline::scenegraph::instances {
 
-/// A node that carries a mesh with a finite triangle, with its world transform.
+/// A node that has a mesh with a finite triangle, with its world transform.
 struct Instance {
   model::Affine local_from_world;
   accel::geometry::Aabb box;  ///< The world box, relative to Instances::center(), rounded outward.

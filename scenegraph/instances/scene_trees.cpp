@@ -63,14 +63,14 @@ bool RemovedFilter::decide(std::size_t index) const {
 }
 
 bool SceneTrees::are_opened() const {
-  return std::all_of(tiers.begin(), tiers.end(),
-                     [](const Tier& tier) { return tier.tree->instances_so_far() != nullptr; });
+  return std::all_of(levels.begin(), levels.end(),
+                     [](const Level& level) { return level.tree->instances_so_far() != nullptr; });
 }
 
 OpenTrees::OpenTrees(const SceneTrees& trees) {
-  trees_.reserve(trees.tiers.size());
-  for (const Tier& tier : trees.tiers) {
-    trees_.push_back({tier.tree->instances(), tier.removed.get(), size_});
+  trees_.reserve(trees.levels.size());
+  for (const Level& level : trees.levels) {
+    trees_.push_back({level.tree->instances(), level.removed.get(), size_});
     size_ += trees_.back().instances.size();
   }
 }

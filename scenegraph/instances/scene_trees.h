@@ -56,7 +56,7 @@ class SceneTree {
 /// The tree still holds them; rays skip them. Threads: any.
 class RemovedFilter {
  public:
-  /// `last` is Tier::last; `changed_at` is that of the revision whose rays ask. Opens nothing.
+  /// `last` is Level::last; `changed_at` is that of the revision whose rays ask. Opens nothing.
   RemovedFilter(std::shared_ptr<const SceneTree> tree, std::uint64_t last,
                 hierarchy::ChangeMap changed_at);
 
@@ -74,9 +74,9 @@ class RemovedFilter {
   InstanceFilter removed_;
 };
 
-/// A tree of a revision, and what has left it. An instance is in the tree of the span of revisions
-/// in which it, or a node above it, changed last; the static tree has those that did not.
-struct Tier {
+/// A level: a tree of a revision, and what has left it. An instance is in the tree of the span of
+/// revisions in which it, or a node above it, changed last; the static tree has those that did not.
+struct Level {
   std::shared_ptr<const SceneTree> tree{};
   std::shared_ptr<const RemovedFilter> removed{};  ///< The instances that have left; null if none.
   /// The last revision whose changes it holds; the static tree: 0 until others are merged into it.
@@ -91,9 +91,9 @@ struct Tier {
 
 /// The trees of a revision, shared with the revisions that have the same.
 struct SceneTrees {
-  std::vector<Tier> tiers;  ///< The trees in the order of `last`, the static tree first.
+  std::vector<Level> levels;  ///< The trees in the order of `last`, the static tree first.
 
-  const std::shared_ptr<const SceneTree>& static_tree() const { return tiers.front().tree; }
+  const std::shared_ptr<const SceneTree>& static_tree() const { return levels.front().tree; }
   /// Whether rays have opened all trees.
   bool are_opened() const;
 };

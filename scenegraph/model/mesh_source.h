@@ -12,7 +12,7 @@ namespace sightline::scenegraph::model {
 
 class Mesh;
 
-/// Whether trees and other data that can be made again are dropped if memory for a mesh is short.
+/// Whether trees and other data that can be rebuilt are dropped if memory for a mesh is short.
 enum class Reclaim : std::uint8_t {
   kAllowed,    ///< The caller holds no lock.
   kForbidden,  ///< charge() returns an error instead.

@@ -31,7 +31,7 @@ struct Node {
   NodeId parent = 0;  ///< 0 for a root.
   std::string name;   ///< A name for people, which need not be unique.
   Affine parent_from_local;
-  /// Whether no ray can be carried through parent_from_local (see inverse()): rays meet neither the
+  /// Whether no ray can be transformed by parent_from_local (see inverse()): rays meet neither the
   /// node nor what is below it.
   bool is_flat = false;
   std::shared_ptr<const Mesh> mesh;  ///< The mesh; null for a group.
@@ -40,8 +40,7 @@ struct Node {
   Mobility mobility = Mobility::kStatic;
   std::uint32_t mask = accel::geometry::kAllMasks;
   ChildList children;  ///< The children, in the order in which they came.
-  /// Whether rays have entered the mesh; carried over from revision to revision. Null without a
-  /// mesh.
+  /// Whether rays have entered the mesh; revisions share it. Null without a mesh.
   std::shared_ptr<std::atomic<bool>> entered;
 
   /// Sets parent_from_local and is_flat.

@@ -42,8 +42,8 @@ struct DeleteNode {
   bool subtree = false;
 };
 
-/// New positions for `positions.size()` vertices from `first` on. The nodes must carry one and the
-/// same mesh, and share the new one, whose faces are the same. Other nodes that carry the old one
+/// New positions for `positions.size()` vertices from `first` on. The nodes must have one and the
+/// same mesh, and share the new one, whose faces are the same. Other nodes that have the old one
 /// keep it.
 struct PatchVertices {
   std::vector<NodeRef> nodes;

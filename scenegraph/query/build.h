@@ -50,7 +50,7 @@ Result<TraceStats> build_all(const revision::Snapshot& snapshot,
 Result<TraceStats> build_shard(const revision::Snapshot& snapshot, const Shard& shard,
                                const std::atomic<bool>* cancelled);
 
-/// The nodes that carry a mesh with a finite triangle at or under one of `roots` (if there are
+/// The nodes that have a mesh with a finite triangle at or under one of `roots` (if there are
 /// none: all), without those at or under one of `excluded`, each once. Errors: kNotFound, naming
 /// the id that is no node of this revision.
 Result<std::vector<const model::Node*>> mesh_nodes_under(const revision::Snapshot& snapshot,

@@ -105,7 +105,7 @@ std::uint32_t Caster::cast(const RayColumns& rays, const RayPacket& packet,
   return scene_.stopped || cells_.is_cancelled() ? 0 : end();
 }
 
-std::optional<Arrival> Caster::scout(const RayColumns& rays, std::size_t ray) {
+std::optional<Arrival> Caster::first_deferred_cell(const RayColumns& rays, std::size_t ray) {
   on_deferred_ = OnDeferred::kWait;
   cast(rays, {ray, 1}, WhenPending::kWait);
   return std::exchange(arrival_, std::nullopt);
@@ -134,7 +134,7 @@ void Caster::enter(const instances::Instance& instance, std::uint32_t index, std
                    accel::kdtree::BuildCounters& built) {
   if (frame_ == nullptr || *frame_ != instance.local_from_world) {
     frame_ = &instance.local_from_world;
-    in_frame_ = accel::wide::carry(given_, frame_->m, valid_, mesh_.rays);
+    in_frame_ = accel::wide::transform(given_, frame_->m, valid_, mesh_.rays);
   }
   lanes &= in_frame_;
   if (lanes == 0) return;
@@ -154,8 +154,8 @@ void Caster::enter(const instances::Instance& instance, std::uint32_t index, std
   mesh.tree.query(mesh_, lanes, cells_, counters_.walked, built);
   if (cells_.awaited.tree != nullptr) {
     mesh.join();
-    const auto scout = static_cast<std::size_t>(std::countr_zero(lanes));
-    arrival_ = {cells_.awaited, decltype(Arrival::owner)(&mesh), ray_of(mesh_.rays, scout)};
+    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+    arrival_ = {cells_.awaited, decltype(Arrival::owner)(&mesh), ray_of(mesh_.rays, lane)};
   }
   scene_.stopped |= mesh_.stopped;
   if (kind_ != QueryKind::kCount || mesh_.stopped) return;

@@ -10,9 +10,9 @@
 
 #include "accel/kdtree/epoch.h"
 #include "accel/lazy/cell_query.h"
-#include "accel/wide/carry.h"
 #include "accel/wide/float_rays.h"
 #include "accel/wide/packet.h"
+#include "accel/wide/transform.h"
 #include "accel/wide/walk.h"
 #include "scenegraph/instances/scene_trees.h"
 #include "scenegraph/query/cast_counters.h"
@@ -23,7 +23,7 @@
 
 namespace sightline::scenegraph::query {
 
-/// Where a scout waits.
+/// Where a sample ray waits.
 struct Arrival {
   struct Leave {
     void operator()(accel::kdtree::RefCounted* tree) const { tree->leave(); }
@@ -31,7 +31,7 @@ struct Arrival {
 
   accel::lazy::Awaited at;
   std::unique_ptr<accel::kdtree::RefCounted, Leave> owner;  ///< Keeps the tree alive.
-  accel::geometry::LocalRay ray;                            ///< The scout, in the tree's frame.
+  accel::geometry::LocalRay ray;  ///< The sample ray, in the tree's frame.
 };
 
 /// Casts one block of rays, on one thread. The casters of a block share its pin: an outer one would
@@ -53,7 +53,8 @@ class Caster {
   std::uint64_t progress() const { return progress_; }
 
   /// Takes one ray to the first cell of a mesh that is not built; nothing if it comes to none.
-  std::optional<Arrival> scout(const accel::geometry::RayColumns& rays, std::size_t ray);
+  std::optional<Arrival> first_deferred_cell(const accel::geometry::RayColumns& rays,
+                                             std::size_t ray);
 
   /// kClosest and kAny: writes the hits of the answered rays to their rows. The first ray of the
   /// packet is a multiple of wide::kLanes.

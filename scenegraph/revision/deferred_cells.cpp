@@ -90,8 +90,8 @@ void add_mesh(const model::Mesh& mesh, const model::Affine& world_from_local, bo
 DeferredCells deferred_cells(const Snapshot& snapshot, std::size_t limit) {
   Largest largest(limit);
   const accel::kdtree::EpochPin pin;
-  for (const instances::Tier& tier : snapshot.shared_trees().tiers)
-    add_scene_tree(*tier.tree, largest);
+  for (const instances::Level& level : snapshot.shared_trees().levels)
+    add_scene_tree(*level.tree, largest);
   hierarchy::for_each_reached(
       snapshot.hierarchy(),
       [&](const model::Node& node, const model::Affine& world, const model::Affine&) {

@@ -18,7 +18,7 @@ struct DeferredCells {
 };
 
 /// Finds the `limit` largest: cells of the scene's own trees, the cells of meshes that rays have
-/// entered once for each node that carries them, and meshes that no ray has met. Walks the scene
+/// entered once for each node that has them, and meshes that no ray has met. Walks the scene
 /// and what is built.
 DeferredCells deferred_cells(const Snapshot& snapshot, std::size_t limit);
 

@@ -37,11 +37,11 @@ Result<Deformations::Deformation*> Deformations::deformation_of(
   for (const model::Node* node : nodes) {
     if (node->mesh == nullptr) {
       return invalid("NODE_WITHOUT_MESH",
-                     described(*node) + " carries no mesh whose vertices could change");
+                     described(*node) + " has no mesh whose vertices could change");
     }
     if (find(node->id) != known || node->mesh != one.mesh) {
       return invalid("MESHES_DIFFER",
-                     described(one) + " and " + described(*node) + " do not carry the same mesh");
+                     described(one) + " and " + described(*node) + " do not have the same mesh");
     }
     ids.insert(node->id);
   }

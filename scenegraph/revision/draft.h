@@ -10,8 +10,8 @@
 #include "proto/result.h"
 #include "scenegraph/model/update.h"
 #include "scenegraph/revision/deformations.h"
+#include "scenegraph/revision/levels.h"
 #include "scenegraph/revision/mobility.h"
-#include "scenegraph/revision/tiers.h"
 
 namespace sightline::scenegraph::revision {
 

@@ -8,7 +8,7 @@
 #include "accel/kdtree/tree_metrics.h"
 #include "accel/mesh/face_boxes.h"
 #include "accel/mesh/mesh_tree.h"
-#include "scenegraph/revision/tiers.h"
+#include "scenegraph/revision/levels.h"
 
 namespace sightline::scenegraph::revision {
 namespace {
@@ -116,10 +116,10 @@ BuildSummary summarize_build(const Snapshot& snapshot) {
     }
   });
   const accel::kdtree::EpochPin pin;
-  for (const instances::Tier& tier : snapshot.shared_trees().tiers) {
-    const instances::Instances* opened = tier.tree->instances_so_far();
+  for (const instances::Level& level : snapshot.shared_trees().levels) {
+    const instances::Instances* opened = level.tree->instances_so_far();
     if (opened == nullptr) continue;
-    (tier.tree->is_static() ? s.bytes_static_tree : s.bytes_dynamic_tree) += opened->tree_bytes();
+    (level.tree->is_static() ? s.bytes_static_tree : s.bytes_dynamic_tree) += opened->tree_bytes();
   }
   s.bytes_trees += s.bytes_static_tree + s.bytes_dynamic_tree;
   return s;

@@ -37,7 +37,7 @@ class Snapshot {
   /// waits for another.
   instances::OpenTrees trees() const { return instances::OpenTrees(trees_); }
   const instances::SceneTrees& shared_trees() const { return trees_; }
-  /// The distinct meshes, in the order of the first nodes that carry them. Walks the scene.
+  /// The distinct meshes, in the order of the first nodes that have them. Walks the scene.
   std::vector<const model::Mesh*> meshes() const;
 
   /// Whether all trees are complete; set by query::build_all(), which need not look again while no
@@ -66,7 +66,7 @@ class Snapshot {
 struct SceneSummary {
   std::uint64_t revision = 0;
   std::uint64_t nodes = 0;
-  std::uint64_t instances = 0;            ///< Nodes that carry a mesh, flat ones too.
+  std::uint64_t instances = 0;            ///< Nodes that have a mesh, flat ones too.
   std::uint64_t meshes = 0;               ///< Distinct meshes in use.
   std::uint64_t triangles_unique = 0;     ///< Triangles of distinct meshes.
   std::uint64_t triangles_instanced = 0;  ///< Triangles of all instances.
@@ -79,7 +79,7 @@ SceneSummary summarize(const Snapshot& snapshot);
 
 /// How much of the trees exists. Walks the built part of every distinct mesh's tree.
 struct BuildSummary {
-  std::uint64_t instances_total = 0;  ///< Nodes that carry a mesh, flat ones too.
+  std::uint64_t instances_total = 0;  ///< Nodes that have a mesh, flat ones too.
   /// Instances whose mesh tree rays have entered or a full build has made.
   std::uint64_t instances_entered = 0;
   std::uint64_t trees_built = 0;  ///< Mesh trees with at least one finished leaf.

@@ -19,9 +19,9 @@ std::int64_t milliseconds(scenes::Replica::Clock::duration time) {
 
 }  // namespace
 
-StoreFollower::StoreFollower(const StoreParts& parts, StoreKeeper& keeper,
+StoreFollower::StoreFollower(const StoreParts& parts, StoreCatalog& catalog,
                              scenes::SceneStore& scenes)
-    : parts_(parts), keeper_(keeper), scenes_(scenes), replica_(*keeper.replica()) {
+    : parts_(parts), catalog_(catalog), scenes_(scenes), replica_(*catalog.replica()) {
   parts_.store.watch([this](std::span<const store::SceneId> ids) { changed(ids); });
 }
 
@@ -58,7 +58,7 @@ Status StoreFollower::compare() {
       scene.mapped()->follower()->note(head.revision, parts_.compute);
       continue;
     }
-    auto found = keeper_.find(head.id);
+    auto found = catalog_.find(head.id);
     if (found) {
       scenes_.adopt(std::move(*found));
     } else if (found.error().code != Code::kNotFound && found.error().code != Code::kDataLoss) {

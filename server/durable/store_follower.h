@@ -8,7 +8,7 @@
 #include <string>
 
 #include "proto/result.h"
-#include "server/durable/store_keeper.h"
+#include "server/durable/store_catalog.h"
 #include "server/scenes/scene_store.h"
 
 namespace sightline::server::durable {
@@ -22,8 +22,8 @@ class StoreFollower {
  public:
   using Clock = scenes::Replica::Clock;
 
-  /// All outlive this object; `keeper` has a replica. The scenes are open.
-  StoreFollower(const StoreParts& parts, StoreKeeper& keeper, scenes::SceneStore& scenes);
+  /// All outlive this object; `catalog` has a replica. The scenes are open.
+  StoreFollower(const StoreParts& parts, StoreCatalog& catalog, scenes::SceneStore& scenes);
   ~StoreFollower();
   StoreFollower(const StoreFollower&) = delete;
   StoreFollower& operator=(const StoreFollower&) = delete;
@@ -45,7 +45,7 @@ class StoreFollower {
   Status compare();
 
   const StoreParts parts_;
-  StoreKeeper& keeper_;
+  StoreCatalog& catalog_;
   scenes::SceneStore& scenes_;
   scenes::Replica& replica_;
   /// The scenes at the last comparison. Used on the thread of the store.

@@ -146,7 +146,7 @@ Status StoreJournal::append(const scenes::JournalEntry& entry, Done done) {
   }
   for (const scenes::ProducerBatch& one : entry.batches)
     batch.commits.push_back({entry.producer, one.sequence, one.nodes});
-  batch.fate = entry.fate;
+  batch.outcome = entry.outcome;
   batch.after = entry.after;
   if (entry.updates) log_bytes_ += entry.updates->size() + kBatchCost;
   return parts_.store.append(std::move(batch), std::move(done));

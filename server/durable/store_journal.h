@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "server/durable/nodes_codec.h"
-#include "server/durable/store_keeper.h"
+#include "server/durable/store_catalog.h"
 #include "server/scenes/journal.h"
 #include "server/store/store.h"
 

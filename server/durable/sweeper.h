@@ -4,7 +4,7 @@
 #include <atomic>
 #include <chrono>
 
-#include "server/durable/store_keeper.h"
+#include "server/durable/store_catalog.h"
 
 namespace sightline::server::durable {
 

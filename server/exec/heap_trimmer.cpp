@@ -17,7 +17,7 @@ std::uint64_t difference(std::uint64_t a, std::uint64_t b) { return a > b ? a - 
 bool HeapTrimmer::observe(std::uint64_t held, std::uint64_t resident) {
   most_ = std::max(most_, held);
   const std::uint64_t least = std::max(kLeastBytes, most_ / kLeastShare);
-  // While bytes are freed a pass would have to be made again.
+  // While bytes are freed a pass would have to be repeated.
   const bool falling = held < last_;
   steady_ = difference(held, last_) < least ? steady_ + 1 : 0;
   last_ = held;

@@ -88,7 +88,7 @@ class MemoryAccount {
     std::uint64_t bytes_ = 0;
   };
 
-  /// Drops what can be made again until `bytes` more fit, or nothing is left to drop. For what is
+  /// Drops what can be rebuilt until `bytes` more fit, or nothing is left to drop. For what is
   /// large, small scenes that are in use stay.
   using Reclaim = std::function<void(std::uint64_t bytes, bool for_large)>;
 
@@ -105,13 +105,13 @@ class MemoryAccount {
   Result<Charge> charge(Held kind, std::uint64_t bytes);
   /// Charges bytes that are held in any case. Never refused.
   Charge record(Held kind, std::uint64_t bytes);
-  /// Charges bytes, and drops what can be made again where they do not fit. `held`: what their
+  /// Charges bytes, and drops what can be rebuilt where they do not fit. `held`: what their
   /// owner has. May take long. The caller holds no lock. Errors: as charge().
   Result<Charge> reclaim_and_charge(Held kind, std::uint64_t bytes, std::uint64_t held = 0);
   /// Charges bytes for a batch of rays, as reclaim_and_charge(). The batch keeps retired bytes from
   /// being freed until it goes on, so these do not count.
   Result<Charge> reclaim_and_charge_in_batch(Held kind, std::uint64_t bytes);
-  /// Drops what can be made again until `bytes` more fit, for an owner that has `held`. A large one
+  /// Drops what can be rebuilt until `bytes` more fit, for an owner that has `held`. A large one
   /// leaves MemoryParts::small free. Errors: as charge().
   Status reclaim(Held kind, std::uint64_t bytes, std::uint64_t held = 0);
   /// What the trees of meshes count their bytes in. Its limit is what all else leaves.

@@ -43,7 +43,7 @@ Status to_status(Work&& work) {
 std::string reason_of(const Error& error);
 
 /// The status with the error's code and message, and with a google.rpc.Status in its details that
-/// carries one google.rpc.ErrorInfo: reason_of() in the domain "sightline". If a queue is full, a
+/// has one google.rpc.ErrorInfo: reason_of() in the domain "sightline". If a queue is full, a
 /// quota used up or something unavailable, also a google.rpc.RetryInfo with kRetryDelay.
 grpc::Status to_grpc(const Error& error);
 
@@ -84,7 +84,7 @@ bool logs_rpcs();
 void log_rpc(std::string_view method, const grpc::ServerContextBase& context,
              const grpc::Status& status, LogClock::time_point begun, std::string_view more = {});
 
-/// As above; more() is only called if the line is written.
+/// Does the same; more() is only called if the line is written.
 template <class More>
   requires std::is_invocable_r_v<std::string, More>
 void log_rpc(std::string_view method, const grpc::ServerContextBase& context,

@@ -11,7 +11,7 @@ enum class Abuse : std::uint8_t {
   kResets,   ///< Calls that are given up before they are answered.
   kStreams,  ///< More calls at a time than the server takes.
   kHeaders,  ///< Fields of a call in several frames, or too large ones.
-  kFrames,   ///< Frames that carry nothing.
+  kFrames,   ///< Frames that have no content.
 };
 inline constexpr std::array kAbuses{Abuse::kResets, Abuse::kStreams, Abuse::kHeaders,
                                     Abuse::kFrames};

@@ -11,7 +11,7 @@ const kServer = '/sightline.v1.ServerService/';
 const isPrivate = location.protocol === 'https:' ||
   ['localhost', '127.0.0.1', '[::1]'].includes(location.hostname);
 
-// What a header can carry.
+// What a header can hold.
 const kVisible = /^[!-~]+$/;
 
 // A browser may forbid to store anything: the page then asks again when it is loaded again.

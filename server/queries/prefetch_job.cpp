@@ -148,8 +148,8 @@ void PrefetchJob::report_own(v1::PrefetchResponse& response) {
   response.set_triangles_done(triangles_reported_);
   std::uint64_t bytes = 0;
   if (roots_.empty()) {
-    for (const scenegraph::instances::Tier& tier : snapshot_->shared_trees().tiers)
-      bytes += bytes_of_tree(*tier.tree);
+    for (const scenegraph::instances::Level& level : snapshot_->shared_trees().levels)
+      bytes += bytes_of_tree(*level.tree);
   }
   for (const scenegraph::model::Mesh* mesh : meshes_) bytes += mesh->tree_bytes();
   response.set_bytes_trees(bytes);

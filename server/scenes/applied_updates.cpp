@@ -13,7 +13,7 @@
 namespace sightline::server::scenes {
 namespace {
 
-using scenegraph::instances::Tier;
+using scenegraph::instances::Level;
 using scenegraph::model::DeleteNode;
 using scenegraph::model::Mesh;
 using scenegraph::model::Node;
@@ -225,19 +225,19 @@ Replaced bytes_replaced(const Snapshot& before,
 }
 
 std::uint64_t bytes_of_replaced_trees(const Snapshot& before, const Snapshot& after) {
-  const std::vector<Tier>& now = after.shared_trees().tiers;
+  const std::vector<Level>& now = after.shared_trees().levels;
   std::uint64_t bytes = 0;
-  for (const Tier& tier : before.shared_trees().tiers) {
+  for (const Level& level : before.shared_trees().levels) {
     const bool is_kept =
-        std::ranges::any_of(now, [&](const Tier& other) { return other.tree == tier.tree; });
-    if (!is_kept) bytes += bytes_of(*tier.tree);
+        std::ranges::any_of(now, [&](const Level& other) { return other.tree == level.tree; });
+    if (!is_kept) bytes += bytes_of(*level.tree);
   }
   return bytes;
 }
 
 std::uint64_t bytes_of(const scenegraph::instances::SceneTrees& trees) {
   std::uint64_t bytes = 0;
-  for (const Tier& tier : trees.tiers) bytes += bytes_of(*tier.tree);
+  for (const Level& level : trees.levels) bytes += bytes_of(*level.tree);
   return bytes;
 }
 

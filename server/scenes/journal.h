@@ -36,14 +36,14 @@ struct JournalEntry {
   /// The result of Journal::encode(); these updates make the next revision. Nothing: a rejected
   /// batch.
   std::optional<std::string> updates;
-  std::vector<std::string> mesh_digests;          ///< Digests of the meshes that the updates put.
-  std::vector<scenegraph::model::NodeId> nodes;   ///< The nodes that the updates put, in order.
-  std::string request_id;                         ///< Empty: none.
-  std::uint64_t content = 0;                      ///< Digest of the request.
-  std::string producer;                           ///< Empty: none.
-  std::vector<ProducerBatch> batches;             ///< The producer's batches in the write.
-  std::shared_ptr<store::Fate> fate = {};         ///< See store::Batch::fate.
-  std::shared_ptr<const store::Fate> after = {};  ///< See store::Batch::after.
+  std::vector<std::string> mesh_digests;         ///< Digests of the meshes that the updates put.
+  std::vector<scenegraph::model::NodeId> nodes;  ///< The nodes that the updates put, in order.
+  std::string request_id;                        ///< Empty: none.
+  std::uint64_t content = 0;                     ///< Digest of the request.
+  std::string producer;                          ///< Empty: none.
+  std::vector<ProducerBatch> batches;            ///< The producer's batches in the write.
+  std::shared_ptr<store::BatchOutcome> outcome = {};      ///< See store::Batch::outcome.
+  std::shared_ptr<const store::BatchOutcome> after = {};  ///< See store::Batch::after.
 };
 
 /// The answer to a request with a request id.
@@ -116,7 +116,7 @@ struct KeptScene {
   std::uint64_t incarnation = new_incarnation();
   /// The newest revision of the journal, which load() must read first. Nothing: it holds none.
   std::optional<std::uint64_t> unread = {};
-  /// The keeper's number of the scene. Later scenes have greater ones.
+  /// The catalog's number of the scene. Later scenes have greater ones.
   store::SceneId number = 0;
   /// Set if other servers write to the journal, too; else null.
   std::shared_ptr<Replica> replica = nullptr;
@@ -124,10 +124,10 @@ struct KeptScene {
   std::uint64_t node_bytes = 0;
 };
 
-/// Keeps scenes. Threads: any, for every member.
-class SceneKeeper {
+/// The catalog of the scenes that outlive the process. Threads: any, for every member.
+class SceneCatalog {
  public:
-  virtual ~SceneKeeper() = default;
+  virtual ~SceneCatalog() = default;
 
   /// Waits for the disk. Errors: kAlreadyExists, kResourceExhausted, kUnavailable.
   virtual Result<KeptScene> create(const SceneInfo& info) = 0;

@@ -1,4 +1,4 @@
-// Keeps the server within its memory budget: measures trees, and drops what can be made again.
+// Keeps the server within its memory budget: measures trees, and drops what can be rebuilt.
 #pragma once
 
 #include <atomic>

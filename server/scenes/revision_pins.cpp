@@ -14,8 +14,8 @@
 namespace sightline::server::scenes {
 namespace {
 
+using scenegraph::instances::Level;
 using scenegraph::instances::SceneTree;
-using scenegraph::instances::Tier;
 
 constexpr std::uint64_t kConnectionShareOfPins = 1;  // a principal's share is that of each
 
@@ -155,11 +155,11 @@ std::uint64_t RevisionPins::tree_bytes() const {
     const auto scene = pin.scene.lock();
     if (scene != nullptr) {
       if (is_kept(*scene, *revision)) continue;
-      for (const Tier& tier : scene->snapshot()->shared_trees().tiers)
-        counted.insert(tier.tree.get());
+      for (const Level& level : scene->snapshot()->shared_trees().levels)
+        counted.insert(level.tree.get());
     }
-    for (const Tier& tier : revision->shared_trees().tiers) {
-      if (counted.insert(tier.tree.get()).second) bytes += bytes_of(*tier.tree);
+    for (const Level& level : revision->shared_trees().levels) {
+      if (counted.insert(level.tree.get()).second) bytes += bytes_of(*level.tree);
     }
   }
   return bytes;

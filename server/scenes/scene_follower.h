@@ -22,7 +22,7 @@ namespace sightline::server::scenes {
 
 class StoredScene;
 
-/// How often a write that other servers forestall is tried before it fails.
+/// How often a write that conflicts with those of other servers is tried before it fails.
 inline constexpr int kMaxTries = 32;
 
 /// How far a scene is behind what is known to be committed.

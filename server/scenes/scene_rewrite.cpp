@@ -1,4 +1,5 @@
-// Writes of a scene that another server has forestalled: applied again on top of what it committed.
+// Writes of a scene that conflict with those of another server: applied again on top of what it
+// committed.
 #include <fmt/format.h>
 
 #include <utility>
@@ -19,8 +20,9 @@ Error contended(int tries) {
 }  // namespace
 
 /// What cannot be decided without the client is an error, which ends a producer's stream.
-Status StoredScene::write_again(const JournalEntry& entry, const scenegraph::ApplyOptions& options,
-                                const SceneWrite& write, const WriteLine::Answer& answer) {
+Status StoredScene::retry_after_conflict(const JournalEntry& entry,
+                                         const scenegraph::ApplyOptions& options,
+                                         const SceneWrite& write, const WriteLine::Answer& answer) {
   if (follower_->replica().stopped())
     return Error{Code::kUnavailable, "the server is stopping", "STOPPING"};
   Replica::Tallies& tallies = follower_->replica().tallies;

@@ -14,11 +14,11 @@
 namespace sightline::server::scenes {
 
 Status SceneStore::open() {
-  if (keeper_ == nullptr) return {};
-  auto found = keeper_->find_all();
+  if (catalog_ == nullptr) return {};
+  auto found = catalog_->find_all();
   if (!found) return found.error();
   const std::lock_guard lock(mutex_);
-  for (SceneKeeper::Found& scene : *found) {
+  for (SceneCatalog::Found& scene : *found) {
     const std::string name = scene.info.name;
     scenes_.emplace(
         name, std::make_shared<StoredScene>(std::move(scene.info), memory_, std::move(scene.kept)));
@@ -33,8 +33,8 @@ Result<std::shared_ptr<StoredScene>> SceneStore::create(SceneInfo info) {
   if (const Status known = look_up_while_changing(info.name); !known) return known.error();
   if (const Status good = check_put(info.name, false); !good) return good.error();
   KeptScene kept;
-  if (keeper_ != nullptr) {
-    auto created = keeper_->create(info);
+  if (catalog_ != nullptr) {
+    auto created = catalog_->create(info);
     if (!created) return created.error();
     kept = std::move(*created);
   }
@@ -61,12 +61,12 @@ Status SceneStore::check_number() const {
 
 Result<std::shared_ptr<StoredScene>> SceneStore::restore(const SceneInfo& info,
                                                          const scenegraph::SceneState& state) {
-  if (keeper_ == nullptr)
+  if (catalog_ == nullptr)
     return Error{Code::kFailedPrecondition, "the server keeps scenes in memory only",
                  "NOT_DURABLE"};
   const std::lock_guard changing(changing_);
   if (const Status fits = check_put(info.name, true); !fits) return fits.error();
-  auto kept = keeper_->restore(info, state, true);
+  auto kept = catalog_->restore(info, state, true);
   if (!kept) return kept.error();
   auto scene = std::make_shared<StoredScene>(info, memory_, std::move(*kept));
   publish(scene);
@@ -79,8 +79,8 @@ Result<std::shared_ptr<StoredScene>> SceneStore::put(const std::shared_ptr<Store
   if (const Status known = look_up_while_changing(draft->info().name); !known) return known.error();
   if (const Status fits = check_put(draft->info().name, replace); !fits) return fits.error();
   auto scene = draft;
-  if (keeper_ != nullptr) {
-    auto kept = keeper_->restore(draft->info(), draft->state(), replace);
+  if (catalog_ != nullptr) {
+    auto kept = catalog_->restore(draft->info(), draft->state(), replace);
     if (!kept) return kept.error();
     scene = std::make_shared<StoredScene>(draft->info(), memory_, std::move(*kept));
   }

@@ -28,21 +28,21 @@ class SceneStore {
  public:
   static constexpr std::size_t kMaxScenes = 10'000;
 
-  /// Scenes are charged to `memory`. `keeper` keeps them beyond the process; null: nothing does.
+  /// Scenes are charged to `memory`. `catalog` keeps them beyond the process; null: nothing does.
   /// Both outlive this object.
-  explicit SceneStore(exec::MemoryAccount& memory, SceneKeeper* keeper = nullptr)
-      : memory_(memory), keeper_(keeper) {}
+  explicit SceneStore(exec::MemoryAccount& memory, SceneCatalog* catalog = nullptr)
+      : memory_(memory), catalog_(catalog) {}
 
   /// Finds the scenes that are kept. They are loaded when they are used. Call it first. Errors: as
-  /// SceneKeeper::find_all.
+  /// SceneCatalog::find_all.
   Status open();
 
   /// Waits for the disk, where scenes are kept. Errors: kAlreadyExists, kResourceExhausted (too
-  /// many scenes, or no room for it in the memory budget), as SceneKeeper::create.
+  /// many scenes, or no room for it in the memory budget), as SceneCatalog::create.
   Result<std::shared_ptr<StoredScene>> create(SceneInfo info);
   /// A scene with these nodes, in place of the one of its name, if there is one. Waits for the
   /// disk. Errors: kFailedPrecondition (scenes are not kept), kResourceExhausted, as
-  /// SceneKeeper::restore.
+  /// SceneCatalog::restore.
   Result<std::shared_ptr<StoredScene>> restore(const SceneInfo& info,
                                                const scenegraph::SceneState& state);
   /// A scene that has no name yet: put() gives it one.
@@ -54,7 +54,7 @@ class SceneStore {
   /// Names a draft, at its newest revision, in one step. With `replace` it takes the place of a
   /// scene of its name, whose listeners are called. Returns the scene, which may not be loaded; the
   /// draft must not be used any more. Waits for the disk. Errors: kAlreadyExists,
-  /// kResourceExhausted, as SceneKeeper::restore.
+  /// kResourceExhausted, as SceneCatalog::restore.
   Result<std::shared_ptr<StoredScene>> put(const std::shared_ptr<StoredScene>& draft, bool replace);
   /// The scene, which may not be loaded. If it is not, the store is asked whether another server
   /// has made or replaced it. Errors: kNotFound, as look_up().
@@ -72,11 +72,11 @@ class SceneStore {
   // These members are for a store that other servers use, too; elsewhere they do nothing.
 
   /// Asks which scene has this name now. Waits for the store. Errors: kUnavailable, where the store
-  /// is away; as SceneKeeper::find.
+  /// is away; as SceneCatalog::find.
   Status look_up(const std::string& name);
   /// Takes a scene that another server has made, unless it is known, or older than the one of its
   /// name, which is removed.
-  void adopt(SceneKeeper::Found found);
+  void adopt(SceneCatalog::Found found);
   /// Removes a scene that another server has removed.
   void forget(const std::shared_ptr<StoredScene>& scene);
   /// All scenes, by number.
@@ -100,13 +100,13 @@ class SceneStore {
  private:
   Result<std::shared_ptr<StoredScene>> find(const std::string& name) const;
   Status look_up_while_changing(const std::string& name);
-  void adopt_while_changing(SceneKeeper::Found found);
+  void adopt_while_changing(SceneCatalog::Found found);
   void forget_while_changing(const std::shared_ptr<StoredScene>& scene);
   void publish(const std::shared_ptr<StoredScene>& scene);
   Status check_number() const;
 
   exec::MemoryAccount& memory_;
-  SceneKeeper* const keeper_;
+  SceneCatalog* const catalog_;
   std::atomic<std::uint64_t> unloaded_{0};
   std::mutex changing_;  // held while a scene is created or removed
   mutable std::mutex mutex_;

@@ -15,8 +15,8 @@ constexpr std::chrono::seconds kAway{2};
 }  // namespace
 
 Status SceneStore::look_up(const std::string& name) {
-  if (keeper_ == nullptr || keeper_->replica() == nullptr) return {};
-  if (keeper_->replica()->staleness() > kAway) {
+  if (catalog_ == nullptr || catalog_->replica() == nullptr) return {};
+  if (catalog_->replica()->staleness() > kAway) {
     return Error{Code::kUnavailable,
                  fmt::format("whether there is a scene {} is not known while the store is away: "
                              "retry later",
@@ -28,8 +28,8 @@ Status SceneStore::look_up(const std::string& name) {
 }
 
 Status SceneStore::look_up_while_changing(const std::string& name) {
-  if (keeper_ == nullptr || keeper_->replica() == nullptr) return {};
-  auto found = keeper_->find(name);
+  if (catalog_ == nullptr || catalog_->replica() == nullptr) return {};
+  auto found = catalog_->find(name);
   if (!found) return found.error();
   if (*found) {
     adopt_while_changing(std::move(**found));
@@ -39,12 +39,12 @@ Status SceneStore::look_up_while_changing(const std::string& name) {
   return {};
 }
 
-void SceneStore::adopt(SceneKeeper::Found found) {
+void SceneStore::adopt(SceneCatalog::Found found) {
   const std::lock_guard changing(changing_);
   adopt_while_changing(std::move(found));
 }
 
-void SceneStore::adopt_while_changing(SceneKeeper::Found found) {
+void SceneStore::adopt_while_changing(SceneCatalog::Found found) {
   const auto known = find(found.info.name);
   if (known && (*known)->number() >= found.kept.number) return;
   spdlog::info("event=scene_found scene={} replaces={}", found.info.name, known.ok());

@@ -154,14 +154,14 @@ WriteLine::Write StoredScene::line_write(JournalEntry entry,
                               .publish = [this, publication] { publish(*publication); },
                               .answer = write.answer};
   if (follower_) {
-    SceneWrite again = write;
-    again.answer = nullptr;
+    SceneWrite retried = write;
+    retried.answer = nullptr;
     // It goes on when its caller has gone: others may have joined it, or wait behind it.
     scenegraph::ApplyOptions uncancelled = options;
     uncancelled.cancelled = nullptr;
-    line_write.again = [this, options = std::move(uncancelled), again = std::move(again)](
+    line_write.retry = [this, options = std::move(uncancelled), retried = std::move(retried)](
                            const JournalEntry& lost, const WriteLine::Answer& answer) {
-      return write_again(lost, options, again, answer);
+      return retry_after_conflict(lost, options, retried, answer);
     };
   }
   return line_write;
@@ -209,10 +209,10 @@ void StoredScene::publish(Publication& publication) noexcept {
   for (Producer::Put& put : publication.puts) publication.producer->commit(std::move(put));
   if (!publication.revises) return;
   auto before = scene_.snapshot();
-  auto unsettled = recent_.retain(before);
+  auto superseded = recent_.retain(before);
   const Replaced& replaced = publication.replaced;
   std::uint64_t trees = 0;
-  if (unsettled != nullptr) trees += bytes_of_replaced_trees(*unsettled, *before);
+  if (superseded != nullptr) trees += bytes_of_replaced_trees(*superseded, *before);
   scene_.publish_next();
   trees += bytes_of_replaced_trees(*before, *scene_.snapshot());
   auto kept = memory_.record(exec::Held::kRevisions, replaced.bytes - replaced.meshes + trees);
@@ -227,24 +227,24 @@ void StoredScene::publish(Publication& publication) noexcept {
   publication.held = {};
   answers_.retain(std::move(publication.answer));
   events_.notify();
-  settle_later({std::move(dropped), std::move(unsettled), std::move(before)},
-               publication.merge_trees);
+  clean_up_later({std::move(dropped), std::move(superseded), std::move(before)},
+                 publication.merge_trees);
   if (journal_ != nullptr && loaded())
     journal_->published(scene_.state(), recent_.oldest_or(scene_.snapshot()->revision()));
 }
 
-/// Settles the line soon. Called after the journal has reported the outcome of a write.
-void StoredScene::settle_soon() noexcept {
-  if (settling_.exchange(true)) return;
+/// Advances the line soon. Called after the journal has reported the outcome of a write.
+void StoredScene::advance_soon() noexcept {
+  if (advance_posted_.exchange(true)) return;
   exec::Compute& compute = *compute_.load(std::memory_order_acquire);
   const Status posted = exec::to_status([&]() -> Status {
     write_queue_.post(compute, [self = shared_from_this()] {
-      self->settling_ = false;
-      self->line_->settle();
+      self->advance_posted_ = false;
+      self->line_->advance();
     });
     return {};
   });
-  if (!posted) settling_ = false;  // a later call settles
+  if (!posted) advance_posted_ = false;  // a later call advances the line
 }
 
 void StoredScene::retry_writes() {
@@ -276,7 +276,7 @@ Result<bool> StoredScene::find_earlier(const std::string& request_id, std::uint6
   if (waiting->content != content) return request_id_reused(request_id, waiting->expected + 1);
   line_->join(*waiting, [this, request_id, content, answer](const Result<Durability>& kept) {
     if (!kept) return answer({}, kept);
-    // The answer is looked up now: the write may have been made again since.
+    // The answer is looked up now: the write may have been retried since.
     const auto made = answers_.find(request_id, content);
     assert(made && *made);
     answer(**made, kept);
@@ -323,25 +323,25 @@ void StoredScene::remember_patched(const std::vector<scenegraph::model::Update>&
   }
 }
 
-/// Freeing old revisions and settling may take long, and no reply waits for them. A scene may be
-/// unloaded before.
-void StoredScene::settle_later(Dropped dropped, bool settle) noexcept {
+/// Freeing old revisions and merging trees may take long, and no reply waits for them. A scene may
+/// be unloaded before.
+void StoredScene::clean_up_later(Dropped dropped, bool merge_trees) noexcept {
   try {
     {
       const std::lock_guard lock(dropped_mutex_);
       dropped_.push_back(std::move(dropped));
     }
     compute_.load(std::memory_order_acquire)
-        ->enqueue_background([scene = weak_from_this(), settle] {
+        ->enqueue_background([scene = weak_from_this(), merge_trees] {
           const auto self = scene.lock();
           if (self == nullptr) return;
           self->free_dropped();
           // Makes room for what was recorded when it could not be refused any more.
           static_cast<void>(self->memory_.reclaim(
               exec::Held::kLogs, 0, bytes_of_scene(self->snapshot()->node_count(), 0)));
-          if (settle) self->scene_.merge_trees();
+          if (merge_trees) self->scene_.merge_trees();
         });
-  } catch (const std::bad_alloc&) {  // settles after a later update
+  } catch (const std::bad_alloc&) {  // a later update does it
     free_dropped();
   }
 }

@@ -59,7 +59,7 @@ StoredScene::StoredScene(SceneInfo info, exec::MemoryAccount& memory, KeptScene 
   if (journal_ == nullptr) return;
   WriteLine::Parts parts{.journal = *journal_,
                          .roll_back = [this] { scene_.drop_unpublished(); },
-                         .noted = [this] { settle_soon(); },
+                         .noted = [this] { advance_soon(); },
                          .owner = [this] { return shared_from_this(); }};
   if (kept.replica != nullptr) {
     follower_.emplace(*this, std::move(kept.replica));

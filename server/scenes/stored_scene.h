@@ -105,8 +105,8 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   exec::Strand& write_queue() { return write_queue_; }
 
   /// Applies a batch at the head. It is published, with its updates in the log and listeners
-  /// called, before `write` is answered; without a journal, when this returns. The static tree is
-  /// settled later, on a background worker. Errors, after which nothing is answered: as
+  /// called, before `write` is answered; without a journal, when this returns. Trees are
+  /// merged later, on a background worker. Errors, after which nothing is answered: as
   /// Scene::apply and needed_by; kResourceExhausted where the memory budget has no room for it;
   /// kNotFound after remove(); kUnavailable while earlier writes cannot be stored. If memory runs
   /// out, nothing has changed. The answer is an error if the journal cannot keep the batch; it then
@@ -184,7 +184,7 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   /// What an update has replaced.
   struct Dropped {
     std::vector<RecentRevisions::Kept> revisions;
-    RecentRevisions::SnapshotPointer unsettled, before;
+    RecentRevisions::SnapshotPointer superseded, before;
   };
   struct Publication;
   class Loader;
@@ -202,8 +202,8 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   /// Begins anew at what the journal has. Errors: as Journal::load.
   Status read_again();
   void set_progress(Producer& producer, KeptProducer kept);
-  Status write_again(const JournalEntry& entry, const scenegraph::ApplyOptions& options,
-                     const SceneWrite& write, const WriteLine::Answer& answer);
+  Status retry_after_conflict(const JournalEntry& entry, const scenegraph::ApplyOptions& options,
+                              const SceneWrite& write, const WriteLine::Answer& answer);
   Result<bool> find_repeat(const SceneWrite& write, const WriteLine::Answer& answer);
   static JournalEntry entry_of(const SceneWrite& write, const scenegraph::Applied& next);
   WriteLine::Write line_write(JournalEntry entry, const scenegraph::ApplyOptions& options,
@@ -219,7 +219,7 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
                     const SceneWrite& write) noexcept;
   // NOLINTNEXTLINE(bugprone-exception-escape): as its definition
   void publish(Publication& publication) noexcept;
-  void settle_soon() noexcept;
+  void advance_soon() noexcept;
   /// Writes that are not published.
   std::size_t waiting() const { return line_ ? line_->size() : 0; }
 
@@ -227,7 +227,7 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   void reserve_patched(const std::vector<scenegraph::model::Update>& updates);
   void remember_patched(const std::vector<scenegraph::model::Update>& updates);
   void forget(std::vector<RecentRevisions::Kept>& kept) noexcept;
-  void settle_later(Dropped dropped, bool settle) noexcept;
+  void clean_up_later(Dropped dropped, bool merge_trees) noexcept;
   /// When it returns, nothing that was dropped before the call is held any more.
   void free_dropped();
 
@@ -238,7 +238,7 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   const std::shared_ptr<Journal> journal_;
   std::optional<SceneFollower> follower_;         // where other servers write to the journal
   std::optional<WriteLine> line_;                 // with a journal; used on the write queue
-  std::atomic<bool> settling_{false};             // a task is posted to settle the line
+  std::atomic<bool> advance_posted_{false};       // whether a task will advance the line
   std::atomic<exec::Compute*> compute_{nullptr};  // null before the first write or reading
   std::uint64_t name_bytes_ = 0;                  // in the newest revision; used on the write queue
   exec::MemoryAccount::Charge nodes_;             // in the newest revision; used on the write queue

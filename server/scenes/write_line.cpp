@@ -17,8 +17,8 @@ namespace sightline::server::scenes {
 
 namespace {
 
-/// Whether a write failed because of what another server has committed first.
-bool is_forestalled(const Error& error) {
+/// Whether a write conflicts with what another server has committed first.
+bool is_conflict(const Error& error) {
   return error.reason == "REVISION_MISMATCH" || error.reason == "REQUEST_ID_KNOWN" ||
          error.reason == "SEQUENCE_KNOWN" || error.reason == "SCENE_NOT_FOUND";
 }
@@ -28,13 +28,13 @@ bool is_forestalled(const Error& error) {
 class WriteLine::Item {
  public:
   explicit Item(Write write) : write_(std::move(write)) {
-    write_.entry.fate = std::make_shared<store::Fate>();
+    write_.entry.outcome = std::make_shared<store::BatchOutcome>();
     if (write_.answer) answers_.push_back(std::move(write_.answer));
   }
 
   const JournalEntry& entry() const { return write_.entry; }
   bool relaxed() const { return write_.relaxed; }
-  Status make_again(const Answer& answer) const { return write_.again(entry(), answer); }
+  Status retry(const Answer& answer) const { return write_.retry(entry(), answer); }
   bool published() const { return published_; }
   bool answered() const { return answered_; }
 
@@ -62,7 +62,7 @@ class WriteLine::Item {
 };
 
 Status WriteLine::ready() {
-  settle();
+  advance();
   if (!stalled()) return {};
   for (const auto& item : items_) {
     if (item->appended_ && outcome(*item) != Outcome::kFailed) {
@@ -88,7 +88,7 @@ WriteLine::Prepared WriteLine::prepare(Write write) {
 void WriteLine::add(Prepared prepared) noexcept {
   items_.splice(items_.end(), prepared);
   append_some();
-  settle();
+  advance();
 }
 
 /// Appends the writes that are not appended, up to one that makes no revision.
@@ -106,7 +106,7 @@ void WriteLine::append_some() noexcept {
 void WriteLine::append(const std::shared_ptr<Item>& item) noexcept {
   item->appended_ = true;
   const auto at = std::ranges::find(items_, item);
-  item->write_.entry.after = at == items_.begin() ? nullptr : (*std::prev(at))->entry().fate;
+  item->write_.entry.after = at == items_.begin() ? nullptr : (*std::prev(at))->entry().outcome;
   const Status queued = exec::to_status([&] {
     const auto noted = [this, item, owner = parts_.owner()](const Status& outcome) {
       note(item, outcome);
@@ -132,7 +132,7 @@ WriteLine::Outcome WriteLine::outcome(const Item& item) const {
   return item.outcome_->ok() ? Outcome::kCommitted : Outcome::kFailed;
 }
 
-void WriteLine::settle() {
+void WriteLine::advance() {
   while (!items_.empty()) {
     const std::shared_ptr<Item> item = items_.front();
     const Outcome known = outcome(*item);
@@ -174,23 +174,23 @@ void WriteLine::fail() {
   for (const auto& item : items_) item->end_wait(error);
   if (dropped.empty()) return;
   parts_.roll_back();
-  if (parts_.catch_up && is_forestalled(error)) return make_again(dropped);
+  if (parts_.catch_up && is_conflict(error)) return retry(dropped);
   for (const auto& item : dropped) {
     item->answer(error);
     item->end_wait({});
   }
 }
 
-/// Makes writes again. If one fails, those behind it, which may be of the same producer, are not
-/// made again either.
-void WriteLine::make_again(const Prepared& lost) {
+/// Retries writes. If one fails, those behind it, which may be of the same producer, are not
+/// retried either.
+void WriteLine::retry(const Prepared& lost) {
   Status good = exec::to_status([this] { return parts_.catch_up(); });
   for (const auto& item : lost) {
     const Answer answer = [item](const Result<Durability>& result) {
       item->answer(result);
       item->end_wait({});
     };
-    if (good) good = exec::to_status([&] { return item->make_again(answer); });
+    if (good) good = exec::to_status([&] { return item->retry(answer); });
     if (!good) answer(good.error());
   }
 }
@@ -208,7 +208,7 @@ void WriteLine::join(const JournalEntry& entry, Answer answer) {
   (*found)->join(std::move(answer));
 }
 
-// These two wait for every write: of those that are made again, a later one may be answered first.
+// These two wait for every write: of those that are retried, a later one may be answered first.
 
 void WriteLine::when_answered(std::function<void()> then) {
   const auto waits = [](const auto& item) { return !item->answered(); };

@@ -22,7 +22,7 @@ namespace sightline::server::scenes {
 /// until they are committed, relaxed writes wait for their commit, too. Used on the scene's write
 /// queue, except for note().
 ///
-/// If another server commits first, a write is made again on top of what that server has committed.
+/// If another server commits first, a write is retried on top of what that server has committed.
 ///
 /// The journal refuses a write on top of a revision that was not kept. It cannot tell whether a
 /// write that makes no revision was kept, so the next write is appended only when that is known.
@@ -36,9 +36,9 @@ class WriteLine {
     bool relaxed = false;
     std::function<void()> publish;  ///< Shows it to readers. Does not throw.
     Answer answer;                  ///< May be empty. Does not throw.
-    /// Makes the write again, when others have committed first: adds it anew with this answer, or
+    /// Retries the write, when others have committed first: adds it anew with this answer, or
     /// answers it. On an error it has done neither. Empty: it is answered with the error.
-    std::function<Status(const JournalEntry& lost, const Answer& answer)> again = {};
+    std::function<Status(const JournalEntry& lost, const Answer& answer)> retry = {};
   };
   class Item;
   /// At most one item: an entry of the line's list, made in advance.
@@ -47,9 +47,9 @@ class WriteLine {
   struct Parts {
     Journal& journal;                 ///< Outlives the line.
     std::function<void()> roll_back;  ///< Drops what is applied and not published.
-    std::function<void()> noted;      ///< Called on any thread: settle() should be called.
+    std::function<void()> noted;      ///< Called on any thread: advance() should be called.
     std::function<std::shared_ptr<const void>()> owner;  ///< What keeps the line alive.
-    /// Publishes what others have committed, before writes are made again. Empty: there are none.
+    /// Publishes what others have committed, before writes are retried. Empty: there are none.
     std::function<Status()> catch_up = {};
   };
   explicit WriteLine(Parts parts) : parts_(std::move(parts)) {}
@@ -63,7 +63,7 @@ class WriteLine {
   void add(Prepared prepared) noexcept;
 
   /// Publishes and answers what can be.
-  void settle();
+  void advance();
 
   /// Writes that are not committed.
   std::size_t size() const { return items_.size(); }
@@ -88,7 +88,7 @@ class WriteLine {
   enum class Outcome : std::uint8_t { kUnknown, kCommitted, kFailed };
   Outcome outcome(const Item& item) const;
   void fail();
-  void make_again(const Prepared& lost);
+  void retry(const Prepared& lost);
 
   const Parts parts_;
   Prepared items_;                 // published ones first, those that are not appended last

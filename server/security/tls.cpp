@@ -36,7 +36,7 @@ class ReloadedCredentials final : public grpc::ServerCredentials {
   ReloadedCredentials& operator=(const ReloadedCredentials&) = delete;
   ~ReloadedCredentials() override { grpc_server_credentials_release(credentials_); }
 
-  /// A processor is not used: it sees no requests, and its errors carry no details.
+  /// A processor is not used: it sees no requests, and its errors have no details.
   void SetAuthMetadataProcessor(const std::shared_ptr<grpc::AuthMetadataProcessor>&) override {}
 
  private:

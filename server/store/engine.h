@@ -44,7 +44,7 @@ class Engine {
 
   /// Called after each transaction, when its callers know how it ended. `tight`: there was no space
   /// for it.
-  virtual void settle(bool tight) = 0;
+  virtual void transaction_ended(bool tight) = 0;
 };
 
 }  // namespace sightline::server::store

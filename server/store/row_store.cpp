@@ -97,18 +97,18 @@ Result<std::vector<SceneHead>> RowStore::heads() { return reader_(all_heads); }
 Status RowStore::append(Batch batch, Done done) {
   const std::uint64_t bytes = bytes_of(batch);
   const SceneId scene = batch.scene;
-  const std::shared_ptr<Fate> fate =
-      batch.fate == nullptr ? std::make_shared<Fate>() : std::move(batch.fate);
+  const std::shared_ptr<BatchOutcome> outcome =
+      batch.outcome == nullptr ? std::make_shared<BatchOutcome>() : std::move(batch.outcome);
   return writer_.submit(
       scene,
-      [batch = std::make_shared<const Batch>(std::move(batch)), fate,
+      [batch = std::make_shared<const Batch>(std::move(batch)), outcome,
        &limits = limits_](Database& database) {
         Status inserted = insert_batch(database, *batch, limits, std::chrono::system_clock::now());
-        fate->kept = inserted.ok();  // batches after it in the transaction need it
+        outcome->kept = inserted.ok();  // batches after it in the transaction need it
         return inserted;
       },
-      [fate, done = std::move(done)](const Status& committed) {
-        fate->kept = committed.ok();
+      [outcome, done = std::move(done)](const Status& committed) {
+        outcome->kept = committed.ok();
         done(committed);
       },
       bytes);

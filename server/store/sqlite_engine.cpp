@@ -105,7 +105,7 @@ Status SqliteEngine::heal() {
   return {};
 }
 
-void SqliteEngine::settle(bool tight) {
+void SqliteEngine::transaction_ended(bool tight) {
   checkpoint(tight);
   measure();
 }

@@ -26,7 +26,7 @@ class SqliteEngine final : public Engine {
   bool can_repeat(const Error& /*error*/) const override { return false; }
   void failed(const Error& error) override;
   Result<bool> purge(bool all) override;
-  void settle(bool tight) override;
+  void transaction_ended(bool tight) override;
 
  private:
   Status heal();

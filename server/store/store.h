@@ -69,8 +69,9 @@ struct ProducerRecord {
   std::vector<ProducerCommit> recent;  ///< Ascending in sequence; StoreLimits bounds them.
 };
 
-/// Whether a batch is kept. The store sets it before it calls `done`; until then it may change.
-struct Fate {
+/// The outcome of a batch: whether it is kept. The store sets it before it calls `done`; until then
+/// it may change.
+struct BatchOutcome {
   std::atomic<bool> kept{false};
 };
 
@@ -85,10 +86,11 @@ struct Batch {
   std::vector<blobs::BlobDigest> blobs;  ///< Blobs that the updates name; they must be stored.
   std::optional<RequestAnswer> answer;
   std::vector<ProducerCommit> commits;  ///< In order; ascending sequences of each producer.
-  std::shared_ptr<Fate> fate = {};      ///< The fate of this batch. Null: no batch names it.
-  /// The fate of the batch before it, if that was appended and is not done. If that batch is not
+  /// The outcome of this batch. Null: no batch names it.
+  std::shared_ptr<BatchOutcome> outcome = {};
+  /// The outcome of the batch before it, if that was appended and is not done. If that batch is not
   /// kept, this one is not either, even if another process has made the revision `expected`.
-  std::shared_ptr<const Fate> after = {};
+  std::shared_ptr<const BatchOutcome> after = {};
 };
 
 /// The newest revision of a scene.
@@ -266,8 +268,8 @@ class Store {
   // --- Other processes.
 
   /// Whether other processes write to the store, too: then a scene may have revisions that this one
-  /// has not made, and an append() that another process has forestalled ends with kAborted
-  /// (REVISION_MISMATCH).
+  /// has not made, and an append() that conflicts with a commit of another process ends with
+  /// kAborted (REVISION_MISMATCH).
   virtual bool shared() const { return false; }
 
   /// Scenes that may have changed; none: any of all. What has changed is then read by revision.

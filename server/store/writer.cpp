@@ -140,7 +140,7 @@ void Writer::commit(Group& group) {
   const Status outcome = exec::to_status([&] { return transact(group); });
   if (!outcome) garbage_ = garbage_ && !group.empty();
   finish(group, outcome, std::chrono::steady_clock::now() - begun);
-  engine_->settle(tight_);
+  engine_->transaction_ended(tight_);
 }
 
 /// Where the disk has no space, work that needs it fails, and the rest is done.

@@ -53,8 +53,7 @@ Status read_mesh(const scenes::Services& services, const v1::ReadMeshRequest& re
                  "NODE_NOT_FOUND"};
   }
   if (node->mesh == nullptr) {
-    return Error{Code::kFailedPrecondition, described(*node) + " carries no mesh",
-                 "NODE_WITHOUT_MESH"};
+    return Error{Code::kFailedPrecondition, described(*node) + " has no mesh", "NODE_WITHOUT_MESH"};
   }
   encode_revision((*scene)->token((*snapshot)->revision()), *reply.mutable_served());
   return copy_part(*node->mesh, request.offset(), reply);

@@ -1,4 +1,4 @@
-// Parts of the mesh that a node carries.
+// Parts of the mesh that a node has.
 #pragma once
 
 #include "proto/result.h"

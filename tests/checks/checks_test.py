@@ -211,6 +211,7 @@ class Words(Tree):
         for file, text in [
             ("accel/kdtree/a.h", "// Nothing of the kind; in place of a list.\nint index = std::is_placeholder_v<int>;\n"),
             ("accel/kdtree/a.cpp", 'const char* kText = "nobody";  // a message is what users see\n'),
+            ("docs/decisions/a.md", "A pencil of rays.\n"),
             ("docs/a.md", "As `nobody` says:\n\n    whoever\n\n```\nso many\n```\n[link](so-many.md)\n"),
         ]:
             self.assert_clean(words.check, file, text)
@@ -224,6 +225,8 @@ class Words(Tree):
             ("accel/kdtree/a.h", "int place = 0;\n", '"place"'),
             ("accel/kdtree/departed.h", "int index;\n", '"departed"'),
             ("tests/accel/a_test.cpp", "int mark_movers();\n", '"mark_movers"'),
+            ("docs/a.md", "A pencil of rays.\n", 'a.md:1: "pencil": say frustum'),
+            ("accel/kdtree/a.h", "// A pencil of rays.\n", 'a.h:1: "pencil": say frustum'),
             ("docs/decisions/a.md", "# A\n\nThat comes\nof it.\n", 'a.md:3: "comes of"'),
         ]:
             with self.subTest(text=text):

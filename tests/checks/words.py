@@ -11,20 +11,20 @@ WORDS = pathlib.Path(__file__).with_name("words.txt")
 
 @functools.cache
 def _rules():
-    """What words.txt says: phrases as patterns, and names in snake_case, with what to say instead."""
-    phrases, names = [], {}
+    """What words.txt says: phrases and terms as patterns, and names in snake_case, with what to say instead."""
+    patterns, names = {"phrase": [], "term": []}, {}
     for number, line in enumerate(WORDS.read_text(encoding="utf-8").splitlines(), 1):
         if not line or line.startswith("#"):
             continue
         kind, words, instead = (part.strip() for part in line.split(" | "))
-        if kind == "phrase":
+        if kind in patterns:
             pattern = words.replace(" ", r"\s+")
-            phrases.append((re.compile(rf"\b(?:{pattern})\b", re.IGNORECASE), instead))
+            patterns[kind].append((re.compile(rf"\b(?:{pattern})\b", re.IGNORECASE), instead))
         elif kind == "name":
             names[words] = instead
         else:
-            raise ValueError(f"words.txt:{number}: {kind} is neither phrase nor name")
-    return phrases, names
+            raise ValueError(f"words.txt:{number}: {kind} is not phrase, term or name")
+    return patterns, names
 
 
 def snake_case(identifier):
@@ -44,8 +44,14 @@ def joined(text):
     return re.sub(r"\n[ \t]*(//+)?", lambda m: " " * len(m[0]), re.sub(r"//", "  ", text))
 
 
-def phrases_in(text, original):
-    for pattern, instead in _rules()[0]:
+def is_history(page):
+    """Whether a page says what was called how when it was written."""
+    return page == "CHANGELOG.md" or page.startswith("docs/decisions/")
+
+
+def phrases_in(text, original, terms=True):
+    patterns = _rules()[0]
+    for pattern, instead in patterns["phrase"] + (patterns["term"] if terms else []):
         for match in pattern.finditer(text):
             yield line_of(original, match.start()), re.sub(r"\s+", " ", match[0]), instead
 
@@ -89,5 +95,5 @@ def all_findings(root):
             report(file, [(1, stem, better_name(stem))])
     for page in pages(root):
         text = read(root, page)
-        report(page, phrases_in(prose(text).replace("\n", " "), text))
+        report(page, phrases_in(prose(text).replace("\n", " "), text, terms=not is_history(page)))
     return findings

@@ -50,7 +50,7 @@ TEST_F(LiveClient, AWriteWaitsForTheConnection) {
   EXPECT_TRUE(created) << created.error().message;
 }
 
-TEST_F(LiveClient, ErrorsCarryTheServersReason) {
+TEST_F(LiveClient, ErrorsHaveTheServersReason) {
   const auto missing = client_.get_scene(kScene);
   ASSERT_FALSE(missing);
   EXPECT_FALSE(missing.error().reason.empty());

@@ -17,7 +17,7 @@ int run(int argc, char** argv) {
                "sightline-updates");
   UpdatesOptions options;
   bool json = false;
-  app.add_option("--nodes", options.scene.nodes, "That carry a mesh")
+  app.add_option("--nodes", options.scene.nodes, "That have a mesh")
       ->check(CLI::Range(std::size_t{1}, std::size_t{10'000'000}));
   app.add_option("--groups", options.scene.groups, "They are in; 0: all are roots")
       ->check(CLI::Range(std::size_t{0}, std::size_t{1'000'000}));

@@ -198,7 +198,7 @@ Result<Latencies> publish(const UpdatesOptions& options, const std::vector<MeshC
     const auto applied = scene.apply(options.scene.batch(first, kNodesPerBatch, meshes));
     if (!applied.ok()) return applied.error();
   }
-  std::jthread settling;
+  std::jthread merging;
   Latencies publishing;
   Random random(1);
   const auto count = static_cast<std::uint64_t>(options.rate * options.seconds);
@@ -212,7 +212,7 @@ Result<Latencies> publish(const UpdatesOptions& options, const std::vector<MeshC
     const auto applied = scene.apply(updates);
     publishing.add(ms_since(begin), static_cast<double>(step) / options.rate);
     if (!applied.ok()) return applied.error();
-    if (applied->merge_trees) settling = std::jthread([&] { scene.merge_trees(); });
+    if (applied->merge_trees) merging = std::jthread([&] { scene.merge_trees(); });
   }
   return publishing;
 }

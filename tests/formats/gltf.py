@@ -64,7 +64,7 @@ class Reader:
         scenes = self.json.get("scenes", [])
         if len(scenes) != 1 or self.json.get("scene", 0) != 0:
             raise Unknown("scenes")
-        self.world, self.polygons, carriers = {}, [], []
+        self.world, self.polygons, with_mesh = {}, [], []
         open_nodes = [(index, IDENTITY) for index in scenes[0].get("nodes", [])]
         while open_nodes:
             index, above = open_nodes.pop()
@@ -74,8 +74,8 @@ class Reader:
             self.world[index] = product(above, local(node))
             open_nodes += [(child, self.world[index]) for child in node.get("children", [])]
             if "mesh" in node:
-                carriers.append(index)
-        for index in carriers:
+                with_mesh.append(index)
+        for index in with_mesh:
             self.place(index)
 
     def buffer(self, index):

@@ -45,7 +45,7 @@ model::Affine link(Random& random, Links links, int depth) {
   return frame;
 }
 
-/// Every `step`th node of the chain carries a mesh, and the last one.
+/// Every `step`th node of the chain has a mesh, and the last one.
 std::vector<model::Update> chain(Links links, int depth, int step, model::Mobility mobility) {
   Random random(7);
   std::vector<model::Update> updates;

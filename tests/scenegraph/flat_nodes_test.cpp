@@ -1,4 +1,4 @@
-// Nodes through whose transforms no ray can be carried: they are part of the scene, and neither
+// Nodes whose transforms have no usable inverse for rays: they are part of the scene, and neither
 // they nor what is below them is hit.
 #include <gtest/gtest.h>
 

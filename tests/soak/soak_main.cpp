@@ -73,12 +73,12 @@ void report(const Progress& progress, const ServedStress& stress,
   fmt::print("scenes made and deleted {}, connections {}\n", progress.scenes.load(),
              progress.connections.load());
   // The first part grows trees, caches and recent revisions.
-  const auto settled = std::span(windows).subspan(windows.size() / 3);
-  if (settled.size() < 2) return;
+  const auto steady = std::span(windows).subspan(windows.size() / 3);
+  if (steady.size() < 2) return;
   fmt::print(
       "slopes per hour, after the first third: RSS {:+.1f} MiB, files {:+.1f}, p99 {:+.2f} ms\n",
-      slope_per_hour(settled, &Window::resident_mib), slope_per_hour(settled, &Window::files),
-      slope_per_hour(settled, &Window::p99_ms));
+      slope_per_hour(steady, &Window::resident_mib), slope_per_hour(steady, &Window::files),
+      slope_per_hour(steady, &Window::p99_ms));
 }
 
 int soak(const Options& options) {

@@ -24,7 +24,7 @@ struct PlacedMesh {
   std::uint32_t mask = accel::geometry::kAllMasks;
 };
 
-/// Whether no ray can be carried through the transform, because its condition number is above 1e12.
+/// Whether no ray can be transformed into the frame, because its condition number is above 1e12.
 /// In 113 bits, for finite numbers.
 bool is_flat(const scenegraph::model::Affine& a);
 

@@ -18,7 +18,7 @@ namespace sightline::tests {
 struct PlainNode {
   scenegraph::model::NodeId parent = 0;
   scenegraph::model::Affine parent_from_local;
-  std::shared_ptr<const scenegraph::model::Mesh> mesh;  ///< As it was put; null: a group.
+  std::shared_ptr<const scenegraph::model::Mesh> mesh;  ///< The mesh as it was put; null: a group.
   std::string mesh_digest;
   /// The current vertices if they were patched; null: those of the mesh.
   std::shared_ptr<const std::vector<accel::geometry::Vec3f>> vertices;
@@ -46,7 +46,7 @@ class PlainScene {
                 scenegraph::model::NodeId ancestor) const;  ///< True also for the node itself.
   std::vector<scenegraph::model::NodeId> children(scenegraph::model::NodeId id) const;
   scenegraph::model::Affine world_from_local(scenegraph::model::NodeId id) const;
-  /// Rays can meet what the node carries: neither it nor a node above it is flat, nor all together.
+  /// Rays can meet what the node has: neither it nor a node above it is flat, nor all together.
   bool is_reached(scenegraph::model::NodeId id) const;
 
   /// Applies one update of a batch that the scene accepts. New nodes get the ids that a scene

@@ -79,7 +79,7 @@ class EventGrowth {
     return task.out.leaf(refs, [&] { return failed_leaf(cell, task); });
   }
 
-  /// Makes a list again: every reference with the bounds of its events.
+  /// Rebuilds a list: every reference with the bounds of its events.
   PlainNode failed_leaf(const EventCell& cell, const PlainTask& task) const {
     std::vector<std::uint32_t> members;
     for (const Event event : cell.events[0]) {

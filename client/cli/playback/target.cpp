@@ -67,10 +67,10 @@ Status check_meshes(const Motion& motion, const std::vector<const NodeInfo*>& fo
   const std::vector<std::string> digests = mesh_digests(motion.scene);
   for (const std::uint32_t node : motion.shaped) {
     if (found[node]->mesh_digest == digests[motion.scene.nodes[node].mesh]) continue;
-    return mismatch(fmt::format(
-        "node {} '{}' of the scene carries another mesh than the file has there: it was "
-        "not imported from this file",
-        found[node]->id, path_of(motion.scene, node)));
+    return mismatch(
+        fmt::format("node {} '{}' of the scene has another mesh than in the file: it was "
+                    "not imported from this file",
+                    found[node]->id, path_of(motion.scene, node)));
   }
   return {};
 }

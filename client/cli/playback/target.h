@@ -20,7 +20,7 @@ struct Motion;
 /// server, or 0 if there is none. A node matches if it has the same name and its parent matches;
 /// roots must be children of `under` (0: roots of the scene). Nodes with the same name and parent
 /// match in the order of their ids. Errors: kFailedPrecondition, naming the node: a moving node or
-/// an ancestor of it is missing, or a node whose vertices move carries another mesh.
+/// an ancestor of it is missing, or a node whose vertices move has another mesh.
 Result<std::vector<std::uint64_t>> match_nodes(const Motion& motion,
                                                const std::vector<NodeInfo>& nodes,
                                                std::uint64_t under);

@@ -162,9 +162,9 @@ class AnimationReader {
     };
     const auto weights =
         track<std::vector<double>>(sampler, times(sampler, out), rows.size() / shapes, weights_at);
-    for (const Nodes::Carrier& carrier : nodes_.carriers) {
-      for (std::uint32_t i = 0; carrier.gltf == gltf && i < carrier.count; ++i)
-        out.deformations.push_back({carrier.first + i, kNone, weights});
+    for (const Nodes::MeshNodes& mesh_nodes : nodes_.mesh_nodes) {
+      for (std::uint32_t i = 0; mesh_nodes.gltf == gltf && i < mesh_nodes.count; ++i)
+        out.deformations.push_back({mesh_nodes.first + i, kNone, weights});
     }
   }
 

@@ -1,4 +1,4 @@
-// The meshes that the nodes of a glTF file carry. Internal to the importer.
+// The meshes of the nodes of a glTF file. Internal to the importer.
 #pragma once
 
 #include <cstddef>

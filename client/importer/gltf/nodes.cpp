@@ -161,7 +161,7 @@ class NodeReader {
       if (const auto instancing = item.extension("EXT_mesh_gpu_instancing")) {
         add_instances(item, *instancing, gltf, index);
       } else {
-        out_.carriers.push_back({gltf, index, 1});
+        out_.mesh_nodes.push_back({gltf, index, 1});
       }
     }
     push(family_.children[from.gltf], index, is_visible, open);
@@ -174,8 +174,8 @@ class NodeReader {
     instances_ += instances.size();
     if (instances_ > kMostNodes)
       refuse("it has {} instances or more, the limit is {}", instances_, kMostNodes);
-    out_.carriers.push_back({gltf, static_cast<std::uint32_t>(out_.nodes.size()),
-                             static_cast<std::uint32_t>(instances.size())});
+    out_.mesh_nodes.push_back({gltf, static_cast<std::uint32_t>(out_.nodes.size()),
+                               static_cast<std::uint32_t>(instances.size())});
     const std::string name = out_.nodes[parent].name;
     for (std::size_t i = 0; i < instances.size(); ++i)
       out_.nodes.push_back({fmt::format("{}#{}", name, i), parent, instances[i], {}});

@@ -20,12 +20,13 @@ struct Nodes {
   std::vector<FileNode> nodes;           ///< depth first, children in order; without meshes
   std::vector<std::uint32_t> from_gltf;  ///< the node of each node of the file, or kNone
 
-  /// A node of the file that has a mesh, and the nodes that carry it: itself or its instances.
-  struct Carrier {
+  /// A node of the file that has a mesh, and the nodes that have it in the scene: itself or its
+  /// instances.
+  struct MeshNodes {
     std::uint32_t gltf = 0;
     std::uint32_t first = 0, count = 1;
   };
-  std::vector<Carrier> carriers;  ///< the nodes that can be seen
+  std::vector<MeshNodes> mesh_nodes;  ///< the nodes that can be seen
 };
 
 /// The rows of a matrix that is stored by columns. Refuses one whose last row is not 0 0 0 1;

@@ -39,13 +39,14 @@ FileScene read(const SceneFile& file) {
   Nodes nodes = read_nodes(document, accessors, scene.warnings);
   scene.nodes = std::move(nodes.nodes);
   Meshes meshes(document, buffers, accessors, nodes.from_gltf, scene);
-  for (std::size_t i = 0; i < nodes.carriers.size(); ++i) {
-    const auto [gltf, first, count] = nodes.carriers[i];
-    const std::vector<std::uint32_t>& carried = meshes.of(document.at("nodes", gltf, "the file"));
+  for (std::size_t i = 0; i < nodes.mesh_nodes.size(); ++i) {
+    const auto [gltf, first, count] = nodes.mesh_nodes[i];
+    const std::vector<std::uint32_t>& node_meshes =
+        meshes.of(document.at("nodes", gltf, "the file"));
     for (std::uint32_t node = first; node < first + count; ++node)
-      scene.nodes[node].meshes = carried;
+      scene.nodes[node].meshes = node_meshes;
     if (file.progress)
-      file.progress(static_cast<double>(i + 1) / static_cast<double>(nodes.carriers.size()));
+      file.progress(static_cast<double>(i + 1) / static_cast<double>(nodes.mesh_nodes.size()));
   }
   read_animations(document, accessors, meshes, nodes, scene);
   return scene;

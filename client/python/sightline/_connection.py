@@ -17,10 +17,10 @@ from ._scope import scope
 from ._waiting import read_ahead, result_of
 
 DEFAULT_ENDPOINT = "127.0.0.1:50151"
-_LIGHT_TIMEOUT = 60.0  # seconds, for calls that carry neither rays nor meshes
+_LIGHT_TIMEOUT = 60.0  # seconds, for calls that send neither rays nor meshes
 _READ_AHEAD = 2  # answers of a stream
 
-# Calls that may be repeated: those that read, and ApplyUpdates, which carries a request id.
+# Calls that may be repeated: those that read, and ApplyUpdates, which has a request id.
 _REPEATABLE = ("CastRays", "GetScene", "ListScenes", "BatchGetNodes", "GetSceneStats", "FindMissingBlobs",
                "GetUploadStatus", "GetServerInfo", "ApplyUpdates")
 # Calls that have had no effect where the server refuses them for now, or that may be repeated if they had one. A refusal
@@ -188,7 +188,7 @@ def _open(endpoint: Endpoint, ca: "bytes | None", cert: "bytes | None", key: "by
     ]
     if endpoint.authority():
         options.append(("grpc.default_authority", endpoint.authority()))
-    if endpoint.is_local():  # a proxy would carry what must not leave this machine
+    if endpoint.is_local():  # a proxy would send out what must not leave this machine
         options.append(("grpc.enable_http_proxy", 0))
     if ca is None:
         return grpc.insecure_channel(endpoint.target(), options)

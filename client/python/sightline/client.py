@@ -28,10 +28,10 @@ def connect(endpoint: Optional[str] = None, *, tls_ca: Optional[Path] = None, tl
 
     tls_ca, tls_cert, tls_key: PEM files. With tls_ca the connection is encrypted, and the server needs a certificate of
     its name that one of these has signed; the others are this client's own. token, or the content of token_file, or
-    SIGHTLINE_TOKEN, goes with every call. timeout: seconds for each call; None: one minute for calls that carry neither
+    SIGHTLINE_TOKEN, goes with every call. timeout: seconds for each call; None: one minute for calls that send neither
     rays nor meshes, no limit for others.
 
-    The first call makes the connection, and a later one makes it again if it broke. Errors: ValueError, an endpoint of
+    The first call makes the connection, and a later one reconnects if it broke. Errors: ValueError, an endpoint of
     another form or a bad token; OSError, a file that cannot be read; Unauthenticated, a token that would be sent to
     another machine without encryption.
     """

@@ -34,7 +34,7 @@ class Node:
 
     @property
     def mesh_node(self) -> "Node":
-        """The node that carries its mesh, and that hits name: this one; or, of a mesh that is kept about an `origin`,
+        """The node that has its mesh, and that hits name: this one; or, of a mesh that is kept about an `origin`,
         one of the same name below it, which holds the mesh there however this one moves."""
         return self._placed or self
 

@@ -164,14 +164,14 @@ class Scene:
 
     def add(self, mesh: Any = None, *, name: str = "", parent: AnyNode = 0, transform: Any = None,
             origin: Any = (0.0, 0.0, 0.0), mobility: Optional[str] = None, mask: Optional[int] = None) -> Node:
-        """A new node, under `parent` (0: a root), and the mesh it carries; None: a group.
+        """A new node, under `parent` (0: a root), and its mesh; None: a group.
 
         mesh: (vertices (v, 3), faces (f, 3)), or an object that has both, as trimesh's; or a trimesh.Scene, whose nodes
         are put under this one, all as one revision. Vertices are kept as float32; with `origin` (3), a point near them,
         about a point of the scene's lattice, where meshes that share vertices still share them, and by a node of its
         own below the new one if that point is not zero (Node.mesh_node). transform: (3, 4) or (4, 4), parent from local.
         mobility: "static", "rigid", "deforming". mask: 32 bits, of which rays need one. Errors: TypeError, ValueError
-        (not a mesh, a transform), InvalidArgument (no ray can be carried through the transforms), NotFound (the parent).
+        (not a mesh, a transform), InvalidArgument (no ray can be transformed into its frame), NotFound (the parent).
         """
         options = {"name": name, "parent": parent, "transform": transform, "mobility": mobility, "mask": mask}
         if is_hierarchy(mesh):
@@ -217,7 +217,7 @@ class Scene:
         self._change(updates.set_transforms(nodes, transforms), [])
 
     def patch_vertices(self, nodes: Iterable[AnyNode], vertices: Any, first: int = 0) -> None:
-        """Moves vertices (n, 3), from number `first` on, of the one mesh that the nodes carry: in what the mesh's vertices
+        """Moves vertices (n, 3), from number `first` on, of the one mesh that the nodes have: in what the mesh's vertices
         were given in if the nodes are Node objects; of ids, in the mesh's own frame. Errors: ValueError, Node objects of
         different `origin`; InvalidArgument, a node without a mesh."""
         self._change(patches(nodes, first, vertices), [])

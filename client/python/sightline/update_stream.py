@@ -68,7 +68,7 @@ class UpdateStream:
         return self.send(updates.set_transforms(nodes, transforms))
 
     def patch_vertices(self, nodes: "Iterable[Any]", vertices: Any, first: int = 0) -> int:
-        """A batch that moves vertices (n, 3), from number `first` on, of the mesh that the nodes carry, as
+        """A batch that moves vertices (n, 3), from number `first` on, of the mesh that the nodes have, as
         Scene.patch_vertices does."""
         return self.send(patches(nodes, first, vertices))
 

@@ -55,7 +55,7 @@ bool WriteEngine::can_repeat(const Error& error) const {
 }
 
 /// Notifies the processes that follow the scenes. If the notice is lost, they notice later.
-void WriteEngine::settle(bool /*tight*/) {
+void WriteEngine::transaction_ended(bool /*tight*/) {
   if (!kept_ || scenes_.empty() || connection_->lost()) return;
   std::string ids = fmt::format("{}", fmt::join(scenes_, " "));
   if (ids.size() > kMaxNotice) ids.clear();

@@ -38,7 +38,7 @@ class WriteEngine final : public Engine {
   void failed(const Error& /*error*/) override {}
   /// The compactor purges.
   Result<bool> purge(bool /*all*/) override { return false; }
-  void settle(bool tight) override;
+  void transaction_ended(bool tight) override;
 
   // Threads: any, for the rest.
 

@@ -103,7 +103,7 @@ TEST_P(Exact, EveryPairEqualsTheRule) {
           };
           for (std::size_t lane = 0; lane < kLanes; ++lane)
             remember(*asked.packet, lane, chosen(lane).block, chosen(lane).triangle, 0);
-          settle(*asked.packet, asked.all());
+          resolve(*asked.packet, asked.all());
           for (std::size_t lane = 0; lane < kLanes; ++lane) {
             const std::optional<double> expected = asked.expected(lane, chosen(lane).id);
             ASSERT_EQ(asked.best.found >> lane & 1, expected.has_value() ? 1u : 0u);
@@ -133,12 +133,12 @@ TEST_P(Exact, OfEqualHitsTheLeastNodeAndTriangleIsKept) {
       least = std::min(least, chosen.id);
       remember(*asked.packet, 0, chosen.block, chosen.triangle, 1);
     }
-    settle(*asked.packet, 1);
+    resolve(*asked.packet, 1);
     EXPECT_EQ(asked.best.primitive[0], least);
     // A hit of an earlier node at the same t stays.
     asked.packet->node = 2;
     remember(*asked.packet, 0, triangles[first].block, triangles[first].triangle, 1);
-    settle(*asked.packet, 1);
+    resolve(*asked.packet, 1);
     EXPECT_EQ(asked.best.node[0], 1u);
   }
 }
@@ -151,7 +151,7 @@ TEST_P(Exact, ThoseBeyondTheCapacityAreDecided) {
   Asked asked(of, std::span(&ray, 1), Culling::kNone);
   for (std::size_t i = triangles.size(); i-- > 0;)
     remember(*asked.packet, 0, triangles[i].block, triangles[i].triangle, 0);
-  settle(*asked.packet, 1);
+  resolve(*asked.packet, 1);
   EXPECT_EQ(asked.best.t[0], 0.5);
   EXPECT_LT(asked.best.primitive[0], 2u);
 }
@@ -164,7 +164,7 @@ TEST_P(Exact, APairOfUnknownDepthIsNotForgotten) {
   Asked asked(of, std::span(&ray, 1), Culling::kNone);
   asked.packet->floats.high.fill(2);
   remember(*asked.packet, 0, triangles[0].block, triangles[0].triangle, std::nanf(""));
-  settle(*asked.packet, 1);
+  resolve(*asked.packet, 1);
   EXPECT_EQ(asked.best.found, 1u);
 }
 

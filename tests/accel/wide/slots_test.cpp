@@ -73,7 +73,7 @@ struct Walk {
   void run(Child root, Visitor& visitor) {
     kdtree::WalkCounters walked;
     walk(*packet, root, live, Leaf(visitor), walked);
-    if (packet->goal == Goal::kNearest && !packet->stopped) settle(*packet, live);
+    if (packet->goal == Goal::kNearest && !packet->stopped) resolve(*packet, live);
   }
 
   Answer answer(std::size_t lane) const {
@@ -93,7 +93,7 @@ void each_packet(const Test& test) {
   const TestMesh mesh = tests::random_soup(400, 0.2, 3);
   const std::vector<Ray> hard = tests::make_hard_rays(mesh, 96, 4);
   std::vector<Ray> rays = tests::rays_at(mesh, 32, 5);
-  // As of a camera: these walk as groups.
+  // The rays of a camera walk as groups.
   for (std::size_t i = 0; i < 32; ++i) {
     const double x = static_cast<double>(i) / 32;
     rays.push_back({{0.5, 0.5, -2}, {x - 0.5, 0.3 * x, 2}});

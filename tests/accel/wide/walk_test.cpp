@@ -48,7 +48,7 @@ std::vector<Answer> ask(const MeshAsTree& of, std::span<const Ray> rays, const Q
   tests::NoSlots none;
   kdtree::WalkCounters walked;
   walk(*packet, Child::final(of.tree->root()), live, Leaf(none), walked);
-  if (!question.any) settle(*packet, live);
+  if (!question.any) resolve(*packet, live);
   std::vector<Answer> answers;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const bool found = (best.found >> i & 1) != 0;

@@ -56,7 +56,7 @@ Verb add_verb_scattered(CLI::App& app) {
   CLI::App& verb = *app.add_subcommand(
       "scattered", "Revisions that move nodes all over a large scene, by rules for merging trees");
   const CLI::Range any(std::size_t{1}, std::size_t{10'000'000});
-  verb.add_option("--nodes", options->scene.nodes, "That carry a mesh")->check(any);
+  verb.add_option("--nodes", options->scene.nodes, "That have a mesh")->check(any);
   verb.add_option("--groups", options->scene.groups, "They are in; 0: all are roots")
       ->check(CLI::Range(std::size_t{0}, std::size_t{1'000'000}));
   verb.add_option("--count", options->moving, "Nodes that a revision moves")->check(any);

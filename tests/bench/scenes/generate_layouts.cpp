@@ -112,7 +112,7 @@ void nest(SceneSource& scene, std::string name, std::uint64_t objects, Spacing b
 }
 
 // Steps that rise outward around the pitch, each a tread and a riser.
-SourceMesh make_stand(std::uint32_t tiers, std::uint32_t segments) {
+SourceMesh make_stand(std::uint32_t rows, std::uint32_t segments) {
   const auto circle = tests::unit_circle(segments);
   SourceMesh mesh;
   const auto add_circle = [&](double radius, double height) {
@@ -120,11 +120,11 @@ SourceMesh make_stand(std::uint32_t tiers, std::uint32_t segments) {
       mesh.vertices.push_back(Vec3f(Vec3d{1.3 * radius * x, height, radius * z}));
     }
   };
-  for (std::uint32_t tier = 0; tier < tiers; ++tier) {
-    add_circle(60 + tier, 2 + 0.6 * tier);
-    add_circle(61 + tier, 2 + 0.6 * tier);
+  for (std::uint32_t row = 0; row < rows; ++row) {
+    add_circle(60 + row, 2 + 0.6 * row);
+    add_circle(61 + row, 2 + 0.6 * row);
   }
-  for (std::uint32_t ring = 0; ring + 1 < 2 * tiers; ++ring) {
+  for (std::uint32_t ring = 0; ring + 1 < 2 * rows; ++ring) {
     for (std::uint32_t i = 0; i < segments; ++i) {
       const std::uint32_t a = ring * segments + i, b = ring * segments + (i + 1) % segments;
       mesh.faces.push_back({a, b, a + segments});

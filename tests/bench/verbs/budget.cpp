@@ -28,7 +28,7 @@ using accel::kdtree::TreeMemory;
 using scenegraph::Growth;
 using scenegraph::revision::Snapshot;
 
-// As the server pauses between rounds of eviction, and looks at what it holds.
+// The server pauses like this between rounds of eviction, and looks at what it holds.
 constexpr std::chrono::milliseconds kPause{10}, kLook{250};
 
 // Sets of rays that take turns: what is looked at changes.
@@ -87,7 +87,7 @@ class Evictor {
 // The process's resident memory beside what the trees account for.
 class ResidentMemory {
  public:
-  explicit ResidentMemory(const TreeMemory& memory) : memory_(memory), before_(settled()) {}
+  explicit ResidentMemory(const TreeMemory& memory) : memory_(memory), before_(after_trim()) {}
 
   void look() {
     const std::uint64_t grown = above_before(resident_bytes());
@@ -96,13 +96,13 @@ class ResidentMemory {
     accounted_ = memory_.held();
   }
   // Without what is freed and not given back to the system yet.
-  std::uint64_t at_end() const { return above_before(settled()); }
+  std::uint64_t at_end() const { return above_before(after_trim()); }
   std::uint64_t before() const { return before_; }
   std::uint64_t most() const { return most_; }
   std::uint64_t accounted() const { return accounted_; }
 
  private:
-  static std::uint64_t settled() {
+  static std::uint64_t after_trim() {
     accel::kdtree::reclaim();
     malloc_trim(0);
     return resident_bytes();

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "scenegraph/revision/tiers.h"
+#include "scenegraph/revision/levels.h"
 #include "scenegraph/trace.h"
 #include "tests/bench/scenes/ray_kinds.h"
 #include "tests/support/large_scene.h"
@@ -15,7 +15,7 @@
 namespace sightline::bench {
 
 struct CommonOptions {
-  std::string scene;  ///< As given: a file or gen:NAME?...
+  std::string scene;  ///< What was given: a file or gen:NAME?...
   int threads = 1;
   int repeat = 3;
   std::uint64_t seed = 1;
@@ -69,9 +69,9 @@ struct CompetitiveOptions {
 
 struct BudgetOptions {
   std::vector<std::string> kinds{"closeup", "random"};
-  double share = 0.25;         ///< Of the bytes of full trees.
-  double seconds = 60;         ///< Of casting, for each kind.
-  std::size_t rays = 100'000;  ///< Of a set; sets take turns.
+  double share = 0.25;         ///< The share of the bytes of full trees.
+  double seconds = 60;         ///< The time of casting, for each kind.
+  std::size_t rays = 100'000;  ///< The rays of a set; sets take turns.
   std::size_t batch = 8192;
 };
 
@@ -97,28 +97,28 @@ struct ExactnessOptions {
 
 struct RobustOptions {
   std::string family{};                 ///< Families whose name begins with this; empty: all.
-  int level = 7;                        ///< Of the icospheres.
+  int level = 7;                        ///< The level of the icospheres.
   std::size_t count = 1'000'000;        ///< For each family, a quarter of each kind.
   std::vector<std::string> builders{};  ///< Empty: all but sah-naive.
 };
 
 struct StabilityOptions {
   std::string family{};                 ///< Families whose name begins with this; empty: all.
-  std::uint64_t triangles = 10'000;     ///< Of each family, approximately.
+  std::uint64_t triangles = 10'000;     ///< The number in each family, approximately.
   std::size_t rays = 400;               ///< For each family.
   std::vector<std::string> builders{};  ///< Empty: all of ours.
 };
 
 struct ClusterOptions {
   std::string kind{};                 ///< Empty: all.
-  std::uint64_t triangles = 30'000;   ///< Of each kind.
+  std::uint64_t triangles = 30'000;   ///< The number of each kind.
   std::size_t rays = 60;              ///< For each kind.
   std::string builder = "scan-fast";  ///< One of ours.
 };
 
 struct AnswersOptions {
   std::vector<std::string> kinds{"random", "aimed"};
-  std::size_t count = 10'000;           ///< Of each kind.
+  std::size_t count = 10'000;           ///< The number of each kind.
   std::vector<std::string> builders{};  ///< Empty: all, but for sah-naive on large scenes.
 };
 
@@ -150,7 +150,7 @@ struct ScatteredOptions {
   std::string moved{"random"};  ///< same, random
   std::size_t revisions = 300;
   std::size_t casts = 4;   ///< After each revision.
-  std::size_t rays = 256;  ///< Of each.
+  std::size_t rays = 256;  ///< The number of rays in a cast.
   std::size_t warm = 200;  ///< Casts before the first revision.
   std::vector<std::uint64_t> small_trees{scenegraph::revision::MergeRule{}.small_tree};
   std::vector<std::uint64_t> at_once{scenegraph::revision::MergeRule{}.at_once};

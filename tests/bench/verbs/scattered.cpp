@@ -52,11 +52,11 @@ class OpenedMembers {
   std::uint64_t count(const scenegraph::revision::Snapshot& snapshot) {
     std::map<const void*, std::uint64_t> now;
     std::uint64_t more = 0;
-    for (const scenegraph::instances::Tier& tier : snapshot.shared_trees().tiers) {
-      const scenegraph::instances::Instances* opened = tier.tree->instances_so_far();
+    for (const scenegraph::instances::Level& level : snapshot.shared_trees().levels) {
+      const scenegraph::instances::Instances* opened = level.tree->instances_so_far();
       const std::uint64_t members = opened == nullptr ? 0 : opened->opened_members();
-      now[tier.tree.get()] = members;
-      more += members - (before_.contains(tier.tree.get()) ? before_[tier.tree.get()] : 0);
+      now[level.tree.get()] = members;
+      more += members - (before_.contains(level.tree.get()) ? before_[level.tree.get()] : 0);
     }
     before_ = std::move(now);
     return more;
@@ -117,7 +117,7 @@ Result<Played> play(const ScatteredOptions& options, const scenegraph::revision:
       if (!ms.ok()) return ms.error();
       (i == 0 ? played.first_ms : played.next_ms).push_back(*ms);
     }
-    played.trees.push_back(static_cast<double>(scene.snapshot()->shared_trees().tiers.size()));
+    played.trees.push_back(static_cast<double>(scene.snapshot()->shared_trees().levels.size()));
     played.members_opened += opened.count(*scene.snapshot());
     if (!applied->merge_trees) continue;
     const CpuStopwatch merging;

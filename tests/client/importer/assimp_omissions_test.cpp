@@ -13,8 +13,8 @@ namespace sightline::client::importer {
 namespace {
 
 /// Collada's text with these weights, and a scene for which Assimp has reported others.
-FileScene settled(const std::string& listed, const std::vector<double>& reported,
-                  const char* importer = "Collada Importer") {
+FileScene corrected(const std::string& listed, const std::vector<double>& reported,
+                    const char* importer = "Collada Importer") {
   FileScene scene;
   scene.meshes.resize(1);
   scene.meshes[0].name = "face";
@@ -26,44 +26,44 @@ FileScene settled(const std::string& listed, const std::vector<double>& reported
       "</float_array></source><targets><input semantic=\"MORPH_TARGET\" "
       "source=\"#other\"/><input source='#w' semantic=\"MORPH_WEIGHT\"/>"
       "</targets></morph>";
-  settle_omissions(importer, text, scene);
+  correct_omissions(importer, text, scene);
   return scene;
 }
 
 using Weights = std::vector<double>;
 
 TEST(Omissions, AWeightOfOneIsZeroUnlessTheFileHasOne) {
-  const FileScene zero = settled("0 0.5", {1, 0.5});
+  const FileScene zero = corrected("0 0.5", {1, 0.5});
   EXPECT_EQ(zero.meshes[0].weights, (Weights{0, 0.5}));
   EXPECT_TRUE(zero.warnings.empty());
-  const FileScene one = settled("1 0.5", {1, 0.5});
+  const FileScene one = corrected("1 0.5", {1, 0.5});
   EXPECT_EQ(one.meshes[0].weights, (Weights{1, 0.5}));
   EXPECT_TRUE(one.warnings.empty());
 }
 
 TEST(Omissions, WeightsThatMayBeZeroOrOneAreWarnedAbout) {
-  const FileScene both = settled("0 1.0 0.5", {1, 1, 0.5});
+  const FileScene both = corrected("0 1.0 0.5", {1, 1, 0.5});
   EXPECT_EQ(both.meshes[0].weights, (Weights{0, 0, 0.5}));
   ASSERT_EQ(both.warnings.size(), 1U);
   EXPECT_EQ(both.warnings[0].kind, "weights_unknown");
   EXPECT_EQ(both.warnings[0].count, 2U);
   EXPECT_EQ(both.warnings[0].first, "face");
-  const FileScene fbx = settled("", {1, 0.25}, "Autodesk FBX Importer");
+  const FileScene fbx = corrected("", {1, 0.25}, "Autodesk FBX Importer");
   EXPECT_EQ(fbx.meshes[0].weights, (Weights{0, 0}));
   EXPECT_EQ(fbx.warnings.size(), 1U);
-  EXPECT_TRUE(settled("", {}, "Autodesk FBX Importer").warnings.empty());
+  EXPECT_TRUE(corrected("", {}, "Autodesk FBX Importer").warnings.empty());
 }
 
 std::vector<Warning> warnings_of(const std::string& words) {
   FileScene scene;
   scene.animations.resize(1);
-  settle_omissions("Collada Importer",
-                   "<source id=\"joints\"><Name_array>STEP</Name_array></source>"
-                   "<source id=\"i\"><Name_array id=\"n\">" +
-                       words +
-                       "</Name_array></source><sampler><input semantic=\"INTERPOLATION\" "
-                       "source=\"#i\"/></sampler>",
-                   scene);
+  correct_omissions("Collada Importer",
+                    "<source id=\"joints\"><Name_array>STEP</Name_array></source>"
+                    "<source id=\"i\"><Name_array id=\"n\">" +
+                        words +
+                        "</Name_array></source><sampler><input semantic=\"INTERPOLATION\" "
+                        "source=\"#i\"/></sampler>",
+                    scene);
   return scene.warnings;
 }
 
@@ -83,13 +83,13 @@ TEST(Omissions, TextThatIsCutIsNoMatter) {
   for (const char* text :
        {"<input", "<input semantic=\"INTERPOLATION\" source=\"#\"/>", "<source",
         "<source id=\"a\"><Name_array>", "<source id='a", "<input source='#a'/>"})
-    settle_omissions("Collada Importer", text, scene);
+    correct_omissions("Collada Importer", text, scene);
   EXPECT_TRUE(scene.warnings.empty());
 }
 
 std::vector<std::string> unread_in(const std::string& text) {
   FileScene scene;
-  settle_omissions("Collada Importer", "<COLLADA>" + text + "</COLLADA>", scene);
+  correct_omissions("Collada Importer", "<COLLADA>" + text + "</COLLADA>", scene);
   std::vector<std::string> kinds;
   for (const Warning& warning : scene.warnings) kinds.push_back(warning.kind + warning.first);
   return kinds;

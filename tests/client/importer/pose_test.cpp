@@ -155,7 +155,7 @@ TEST(Pose, RebasedMeshesKeepTheirWorldPositions) {
   GltfFile near = tests::bending_strip();
   near.animate(2, "translation", {0, 1}, {0, 0, 0, 0, 0, 3});
   GltfFile far = near;
-  // The same strip with joints that are 1,048,576 further along x.
+  // The strip is the same, with joints that are 1,048,576 further along x.
   far.json["nodes"][2]["translation"] = {1048576, 0, 0};
   far.json["animations"][0]["samplers"][1]["output"] =
       far.add({1048576.0F, 0, 0, 1048576.0F, 0, 3}, "VEC3");
@@ -245,7 +245,7 @@ TEST(Pose, StepsAndSplinesArePlayed) {
   EXPECT_EQ(x_at("CUBICSPLINE", spline, 3), 5);
 }
 
-// The node that carries the strip vanishes, but its joints do not.
+// The node that has the strip vanishes, but its joints do not.
 TEST(Pose, ASkinOutlivesItsNode) {
   GltfFile file = tests::bending_strip();
   file.animate(1, "scale", {0, 1}, {1, 1, 1, 0, 0, 0});

@@ -11,7 +11,7 @@ namespace sightline::tests {
 struct PageStep {
   enum Kind : std::uint8_t {
     kMessage,  ///< The bytes as a message of sightline/page/v1/tunnel.proto.
-    kFrame,    ///< The first byte begins a frame, the others are what it carries, masked.
+    kFrame,    ///< The first byte begins a frame, the others are its content, masked.
     kRaw,      ///< The bytes as they are, in the middle of the stream.
     kRead,     ///< What the server has sent so far is read.
     kKinds,

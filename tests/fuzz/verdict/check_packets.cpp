@@ -104,7 +104,7 @@ std::optional<std::string> walk_and_check(const VerdictCase& asked, const Verdic
   };
   if (const auto wrong = each([&](std::size_t lane) { return check.check_certain(lane); }))
     return wrong;
-  if (!any) wide::settle(*packet.packet, live);
+  if (!any) wide::resolve(*packet.packet, live);
   return each([&](std::size_t lane) { return check.check_answer(lane); });
 }
 

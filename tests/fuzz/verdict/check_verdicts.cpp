@@ -12,8 +12,8 @@
 #include "accel/geometry/intersect.h"
 #include "accel/wide/float_rays.h"
 #include "accel/wide/walk.h"
+#include "tests/fuzz/verdict/check_frustums.h"
 #include "tests/fuzz/verdict/check_packets.h"
-#include "tests/fuzz/verdict/check_pencils.h"
 #include "tests/fuzz/verdict/exact_answers.h"
 #include "tests/fuzz/verdict/float_verdicts.h"
 #include "tests/fuzz/verdict/verdict_tree.h"
@@ -163,7 +163,7 @@ class VerdictCheck {
     const double exact = (*exact_.pair(lane, face).local - shift) * along;
     const double slack = static_cast<double>(floats().slack[lane]);
     expect(!(std::fabs(depth - exact) > off + slack), "a depth beyond its bound", lane, face);
-    // As the ray of floats begins elsewhere.
+    // The ray of floats begins elsewhere.
     const double o = ray.origin[z] - static_cast<double>(tree_.frame().center[z]),
                  sign = static_cast<double>(floats().sign[lane]);
     const double from_float =
@@ -218,7 +218,7 @@ std::optional<std::string> check_verdicts(const VerdictCase& asked, VerdictTally
   check.run();
   if (check.finding) return check.finding;
   if (auto wrong = check_packets(asked, tree, exact)) return wrong;
-  return check_pencils(asked, tree, tally.in_pencils);
+  return check_frustums(asked, tree, tally.in_frustums);
 }
 
 }  // namespace

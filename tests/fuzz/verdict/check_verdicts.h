@@ -13,8 +13,8 @@ namespace sightline::tests {
 struct VerdictTally {
   std::uint64_t packets = 0, pairs = 0, hits = 0;
   std::uint64_t sure_misses = 0, sure_hits = 0;  ///< Pairs that floats decide.
-  std::uint64_t groups = 0;                      ///< Of several rays.
-  std::uint64_t in_pencils = 0;                  ///< Rays that pencils answer.
+  std::uint64_t groups = 0;                      ///< Groups of several rays.
+  std::uint64_t in_frustums = 0;                 ///< Rays that frustums answer.
 };
 
 /// Searches a case for a counterexample to docs/hit_rule.md, sections 7 and 8, on one SIMD target
@@ -22,7 +22,7 @@ struct VerdictTally {
 std::optional<std::string> check_on_target(std::size_t target, const VerdictCase& asked,
                                            VerdictTally& tally);
 
-/// The same on all of them.
+/// Checks all of them.
 std::optional<std::string> check_on_every_target(const VerdictCase& asked, VerdictTally& tally);
 
 }  // namespace sightline::tests

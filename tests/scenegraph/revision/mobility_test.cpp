@@ -10,8 +10,8 @@ namespace {
 
 using accel::geometry::Ray;
 
-const instances::Tier& static_tier(const Snapshot& snapshot) {
-  return snapshot.shared_trees().tiers.front();
+const instances::Level& static_level(const Snapshot& snapshot) {
+  return snapshot.shared_trees().levels.front();
 }
 
 std::size_t count_dynamic(const Snapshot& snapshot) {
@@ -43,12 +43,12 @@ TEST(DynamicRoots, AreNewOrChangedNodesAfterTheFirstRay) {
   ASSERT_TRUE(scene.apply({model::SetTransforms{{3, 4}, {at(36), at(46)}}, mesh_node(-1, 5)}));
   const auto snapshot = scene.snapshot();
   EXPECT_EQ(count_dynamic(*snapshot), 3u);
-  EXPECT_EQ(static_tier(*snapshot).left, 2u);
+  EXPECT_EQ(static_level(*snapshot).left, 2u);
   ASSERT_EQ(snapshot->trees().dynamic().size(), 1u);
   EXPECT_EQ(snapshot->trees().dynamic()[0].instances.size(), 3u);
   expect_as_oracle(snapshot, 3);
   ASSERT_TRUE(scene.apply({model::DeleteNode{5}}));
-  EXPECT_EQ(static_tier(*scene.snapshot()).left, 3u);
+  EXPECT_EQ(static_level(*scene.snapshot()).left, 3u);
   EXPECT_EQ(count_dynamic(*scene.snapshot()), 3u);
   expect_as_oracle(scene.snapshot(), 4);
 }
@@ -120,7 +120,7 @@ TEST(DynamicRoots, AreNotChangedByNewNames) {
   ASSERT_TRUE(scene.apply({renamed}));
   EXPECT_EQ(scene.snapshot()->find(4)->name, "renamed");
   EXPECT_EQ(scene.snapshot()->shared_trees().static_tree(), before.static_tree());
-  EXPECT_EQ(scene.snapshot()->shared_trees().tiers.size(), before.tiers.size());
+  EXPECT_EQ(scene.snapshot()->shared_trees().levels.size(), before.levels.size());
 }
 
 }  // namespace

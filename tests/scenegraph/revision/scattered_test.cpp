@@ -116,12 +116,12 @@ TEST(ScatteredMoves, KeepNoTreesThatWereReplaced) {
   for (int round = 0; round < 20; ++round) {
     hits_in(*scene.snapshot(), some_rays(random, 1000, 10));
     ASSERT_TRUE(scene.apply({move_some(random, 1000)}));
-    trees.push_back(scene.snapshot()->shared_trees().tiers.back().tree);
+    trees.push_back(scene.snapshot()->shared_trees().levels.back().tree);
   }
   hits_in(*scene.snapshot(), some_rays(random, 1000, 10));
-  const auto& tiers = scene.snapshot()->shared_trees().tiers;
+  const auto& levels = scene.snapshot()->shared_trees().levels;
   const auto alive = std::ranges::count_if(trees, [](const auto& tree) { return !tree.expired(); });
-  EXPECT_EQ(static_cast<std::size_t>(alive), tiers.size() - 1);
+  EXPECT_EQ(static_cast<std::size_t>(alive), levels.size() - 1);
 }
 
 /// However many revisions no ray sees.
@@ -132,7 +132,7 @@ TEST(ScatteredMoves, TakeOverFewTreesThatRaysHaveOpened) {
   for (int round = 0; round < 50; ++round) {
     if (round < 3) hits_in(*scene.snapshot(), some_rays(random, 1000, 10));
     ASSERT_TRUE(scene.apply({move_some(random, 1000)}));
-    const auto moved = scene.snapshot()->shared_trees().tiers.back().tree->moved();
+    const auto moved = scene.snapshot()->shared_trees().levels.back().tree->moved();
     ASSERT_NE(moved, nullptr);
     EXPECT_LE(moved->parts.size(), 3u);
     EXPECT_LE(moved->candidates->size(), 3000u);

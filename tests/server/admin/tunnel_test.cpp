@@ -32,7 +32,7 @@ std::unique_ptr<Server> serve(const std::filesystem::path& tokens = {}) {
   return *std::move(server);
 }
 
-TEST(TunnelTest, CarriesACall) {
+TEST(TunnelTest, TransfersACall) {
   const auto server = serve();
   Page page(server->admin_port());
   ASSERT_TRUE(page.open());
@@ -46,7 +46,7 @@ TEST(TunnelTest, CarriesACall) {
   EXPECT_EQ(page.end(), grpc::StatusCode::OK);
 }
 
-TEST(TunnelTest, CarriesErrorsWithTheirDetails) {
+TEST(TunnelTest, TransfersErrorsWithTheirDetails) {
   const auto server = serve();
   Page page(server->admin_port());
   ASSERT_TRUE(page.open());

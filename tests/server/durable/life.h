@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "server/durable/open_store.h"
-#include "server/durable/store_keeper.h"
+#include "server/durable/store_catalog.h"
 #include "server/scenes/scene_store.h"
 #include "tests/server/blobs/blob_of.h"
 #include "tests/support/scenes.h"
@@ -24,8 +24,8 @@ struct Life {
   explicit Life(const std::filesystem::path& directory)
       : store(*server::durable::open_store({.directory = directory})),
         blobs(memory, {}, store.get()),
-        keeper({*store, blobs, compute}),
-        scenes(memory, &keeper) {
+        catalog({*store, blobs, compute}),
+        scenes(memory, &catalog) {
     EXPECT_TRUE(scenes.open());
   }
   ~Life() { store->flush(); }
@@ -34,7 +34,7 @@ struct Life {
   std::unique_ptr<server::store::Store> store;
   server::blobs::BlobStore blobs;
   server::exec::Compute compute{2};
-  server::durable::StoreKeeper keeper;
+  server::durable::StoreCatalog catalog;
   server::scenes::SceneStore scenes;
 };
 

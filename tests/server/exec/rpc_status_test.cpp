@@ -22,7 +22,7 @@ google::rpc::ErrorInfo info_of(const grpc::Status& status) {
   return info;
 }
 
-TEST(RpcStatus, CarriesCodeMessageAndReason) {
+TEST(RpcStatus, HasCodeMessageAndReason) {
   const grpc::Status status =
       to_grpc(Error{Code::kNotFound, "there is no scene x", "SCENE_NOT_FOUND"});
   EXPECT_EQ(status.error_code(), grpc::StatusCode::NOT_FOUND);

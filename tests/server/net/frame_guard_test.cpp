@@ -151,7 +151,7 @@ TEST(FrameGuard, FieldsAreFewUntilTheSettingsAreAcknowledged) {
   EXPECT_EQ(good.taken(large, 60), 60);
 }
 
-TEST(FrameGuard, BoundsFramesThatCarryNothing) {
+TEST(FrameGuard, BoundsEmptyFrames) {
   const struct {
     std::string frame;
     int taken;

@@ -119,8 +119,8 @@ def main():
         load.stop()
         errors = [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
     server.stop()
-    settled = windows[len(windows) // 3:]
-    slopes = [slope_per_hour([(one[0], one[column]) for one in settled]) for column in (1, 2, 3)]
+    steady = windows[len(windows) // 3:]
+    slopes = [slope_per_hour([(one[0], one[column]) for one in steady]) for column in (1, 2, 3)]
     print(f"slopes per hour, after the first third: server {slopes[0]:+.1f} MiB, files {slopes[1]:+.1f}, page {slopes[2]:+.1f} MiB")
     print(f"rays {load.rays:.0f}, failed requests {load.failed}, console errors {len(errors)}")
     sys.exit(1 if load.failed or errors else 0)

@@ -34,7 +34,7 @@ std::vector<std::string> names(const v1::CastRaysResponse& reply) {
 
 class DerivedColumnsTest : public LiveServer {
  protected:
-  /// A node for each name, under none, that carries a triangle over the unit square, moved by 2
+  /// A node for each name, under none, that has a triangle over the unit square, moved by 2
   /// along x from the one before.
   void make_row(const std::vector<std::string>& of_nodes) {
     ASSERT_TRUE(api_.create(kScene).ok());

@@ -68,7 +68,7 @@ TEST_F(QueryLogTest, NamesTheSceneTheCallerTheRaysAndWhatWasBuilt) {
   EXPECT_GT(reply.stats().cells_expanded(), 0u);
 }
 
-TEST_F(QueryLogTest, CarriesTheIdThatTheClientGave) {
+TEST_F(QueryLogTest, HasTheIdThatTheClientGave) {
   grpc::ClientContext context;
   context.AddMetadata("x-request-id", "a \"b\" " + std::string(200, 'c'));
   v1::GetSceneRequest request;

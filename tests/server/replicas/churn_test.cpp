@@ -1,5 +1,5 @@
-// A scene that is removed and made again, through any of several servers, while others write to it,
-// read it and watch it.
+// A scene that is removed and created again, through any of several servers, while others write to
+// it, read it and watch it.
 #include <grpcpp/client_context.h>
 #include <gtest/gtest.h>
 

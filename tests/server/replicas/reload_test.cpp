@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "scenegraph/model/update.h"
-#include "server/durable/store_keeper.h"
+#include "server/durable/store_catalog.h"
 #include "server/scenes/scene_store.h"
 #include "server/store/postgres/postgres_store.h"
 #include "tests/scenegraph/put_node.h"
@@ -29,8 +29,8 @@ struct Member {
   explicit Member(const std::string& uri)
       : store(open(uri, cache.path())),
         blobs(memory, {}, store.get()),
-        keeper({*store, blobs, compute}, replica),
-        scenes(memory, &keeper) {
+        catalog({*store, blobs, compute}, replica),
+        scenes(memory, &catalog) {
     EXPECT_TRUE(scenes.open());
   }
   ~Member() { store->flush(); }
@@ -69,7 +69,7 @@ struct Member {
   server::blobs::BlobStore blobs;
   server::exec::Compute compute{2};
   std::shared_ptr<server::scenes::Replica> replica = std::make_shared<server::scenes::Replica>();
-  server::durable::StoreKeeper keeper;
+  server::durable::StoreCatalog catalog;
   server::scenes::SceneStore scenes;
 };
 

@@ -44,7 +44,7 @@ TEST(AppliedUpdates, ReferToEveryNodeByItsId) {
   EXPECT_EQ(std::get<DeleteNode>(updates[6]).node, 102);
 }
 
-/// Their sums are made again by every update below them.
+/// Their sums are recomputed by every update below them.
 TEST(AppliedUpdates, CountTheGroupsAboveOnce) {
   Scene scene;
   std::vector<Update> chain;

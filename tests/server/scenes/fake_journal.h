@@ -74,7 +74,7 @@ class FakeJournal final : public server::scenes::Journal {
       logged_.push_back(encoded_[std::stoul(*entry.updates)]);
       kept_.push_back(entry);
     }
-    if (entry.fate != nullptr) entry.fate->kept = true;
+    if (entry.outcome != nullptr) entry.outcome->kept = true;
     done({});
   }
   /// Another server commits updates on top of the last that is kept.

@@ -1,4 +1,4 @@
-// A scene to which other servers write, too: what becomes of writes that they forestall.
+// A scene to which other servers write, too: what becomes of writes that conflict with theirs.
 #include "server/scenes/scene_follower.h"
 
 #include <gtest/gtest.h>
@@ -105,10 +105,10 @@ TEST_F(SceneFollowerTest, PublishesWhatOthersCommit) {
   EXPECT_EQ(scene_->follower()->lag().revisions, 0u);
 }
 
-TEST_F(SceneFollowerTest, AForestalledWriteIsAppliedAgain) {
+TEST_F(SceneFollowerTest, AConflictingWriteIsAppliedAgain) {
   const auto first = put(), second = put();
   others_put(3);
-  commit();  // the first fails, and both are made again
+  commit();  // the first fails, and both are retried
   EXPECT_EQ(revision(), 1u);
   EXPECT_FALSE(first->answer);
   EXPECT_EQ(first->applied->nodes.front(), 4u);
@@ -129,7 +129,7 @@ TEST_F(SceneFollowerTest, AWriteNamesTheOneOnWhichItBuilds) {
   put();
   const auto waiting = journal_->waiting();
   EXPECT_EQ(waiting[0].after, nullptr);
-  EXPECT_EQ(waiting[1].after, waiting[0].fate);
+  EXPECT_EQ(waiting[1].after, waiting[0].outcome);
 }
 
 TEST_F(SceneFollowerTest, AnExpectedRevisionIsNotTriedAgain) {

@@ -105,11 +105,11 @@ TEST_P(StoreTest, FailsWhatBuildsOnALostBatchEvenWhereTheRevisionIsThere) {
   const SceneId scene = make_scene(*store, "a");
   ASSERT_TRUE(append(*store, scene, 0, "of another").ok());
   std::vector<std::string> reasons(4);
-  std::shared_ptr<Fate> before;
+  std::shared_ptr<BatchOutcome> before;
   const auto queue = [&](std::uint64_t expected, std::size_t i) {
     Batch batch{scene, expected, std::to_string(i), {}, {}, {}};
-    batch.after = std::exchange(before, std::make_shared<Fate>());
-    batch.fate = before;
+    batch.after = std::exchange(before, std::make_shared<BatchOutcome>());
+    batch.outcome = before;
     const auto record = [&reasons, i](const Status& done) { reasons[i] = reason_of(done); };
     ASSERT_TRUE(store->append(std::move(batch), record).ok());
   };

@@ -1,12 +1,12 @@
 // All arithmetic is as in geometry::set_local_ray, and not fused.
-#include "accel/wide/carry.h"
+#include "accel/wide/transform.h"
 
 #include <cstddef>
 
 #include "accel/geometry/local_ray.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "accel/wide/carry.cpp"
+#define HWY_TARGET_INCLUDE "accel/wide/transform.cpp"
 #include <hwy/foreach_target.h>
 // foreach_target.h comes before highway.h.
 #include <hwy/highway.h>
@@ -27,7 +27,7 @@ namespace sightline::accel::wide {
 namespace HWY_NAMESPACE {
 
 /// Replaces numbers that are too small to count by zero.
-HWY_INLINE Doubles settled(const Doubles& x) {
+HWY_INLINE Doubles flushed(const Doubles& x) {
   return Doubles::pick(abs(x) < Doubles::set(geometry::kSmallestRay), Doubles::set(0), x);
 }
 
@@ -72,8 +72,8 @@ HWY_INLINE std::uint32_t set_rays(const GivenRays& given, const Vectors& origin,
   Doubles unit;
   const std::uint32_t good = in_range(origin, direction, unit);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    settled(origin[axis]).store(out.origin[axis].data());
-    settled(direction[axis] * unit).store(out.direction[axis].data());
+    flushed(origin[axis]).store(out.origin[axis].data());
+    flushed(direction[axis] * unit).store(out.direction[axis].data());
   }
   unit.store(out.unit.data());
   Doubles::load(given.tmin.data()).store(out.tmin.data());
@@ -81,7 +81,7 @@ HWY_INLINE std::uint32_t set_rays(const GivenRays& given, const Vectors& origin,
   return good;
 }
 
-std::uint32_t carry_rays(const GivenRays& given, const Matrix& m, Rays& out) {
+std::uint32_t transform_rays(const GivenRays& given, const Matrix& m, Rays& out) {
   const Vectors p = load(given.origin), d = load(given.direction);
   if (m == kIdentity) return set_rays(given, p, d, out);
   const auto set = [&](std::size_t i) { return Doubles::set(m[i]); };
@@ -103,7 +103,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace sightline::accel::wide {
 
-HWY_EXPORT(carry_rays);
+HWY_EXPORT(transform_rays);
 HWY_EXPORT(center_rays);
 HWY_EXPORT(valid_rays);
 
@@ -111,8 +111,9 @@ std::uint32_t valid(const GivenRays& given, const geometry::Vec3d& center, std::
   return lanes & HWY_DYNAMIC_DISPATCH(valid_rays)(given, center);
 }
 
-std::uint32_t carry(const GivenRays& given, const Matrix& matrix, std::uint32_t lanes, Rays& out) {
-  return lanes & HWY_DYNAMIC_DISPATCH(carry_rays)(given, matrix, out);
+std::uint32_t transform(const GivenRays& given, const Matrix& matrix, std::uint32_t lanes,
+                        Rays& out) {
+  return lanes & HWY_DYNAMIC_DISPATCH(transform_rays)(given, matrix, out);
 }
 
 std::uint32_t center(const GivenRays& given, const geometry::Vec3d& center, std::uint32_t lanes,

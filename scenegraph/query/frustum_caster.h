@@ -1,4 +1,4 @@
-// Takes the rays of pencils (accel/wide/pencil.h) through a revision of one instance.
+// Takes the rays of frustums (accel/wide/frustum.h) through a revision of one instance.
 #pragma once
 
 #include <array>
@@ -6,9 +6,9 @@
 #include <memory>
 
 #include "accel/kdtree/epoch.h"
+#include "accel/wide/frustum.h"
 #include "accel/wide/given_rays.h"
 #include "accel/wide/packet.h"
-#include "accel/wide/pencil.h"
 #include "scenegraph/instances/scene_trees.h"
 #include "scenegraph/query/packet_hits.h"
 #include "scenegraph/query/seen.h"
@@ -16,23 +16,23 @@
 
 namespace sightline::scenegraph::query {
 
-inline constexpr std::size_t kPencilRays = accel::wide::kPencilPackets * accel::wide::kLanes;
+inline constexpr std::size_t kFrustumRays = accel::wide::kFrustumPackets * accel::wide::kLanes;
 
-/// Casts the pencils of one block of rays, on one thread.
-class PencilCaster {
+/// Casts the frustums of one block of rays, on one thread.
+class FrustumCaster {
  public:
-  /// The columns and the pin must outlive the caster. The pin is renewed for each pencil.
-  PencilCaster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees,
-               const TraceOptions& options, const accel::geometry::RayColumns& rays,
-               const accel::geometry::HitColumns& hits);
-  PencilCaster(const PencilCaster&) = delete;
-  PencilCaster& operator=(const PencilCaster&) = delete;
+  /// The columns and the pin must outlive the caster. The pin is renewed for each frustum.
+  FrustumCaster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees,
+                const TraceOptions& options, const accel::geometry::RayColumns& rays,
+                const accel::geometry::HitColumns& hits);
+  FrustumCaster(const FrustumCaster&) = delete;
+  FrustumCaster& operator=(const FrustumCaster&) = delete;
 
-  /// Answers `count` rays, at most kPencilRays, the first one at index `first`, in packets of
+  /// Answers `count` rays, at most kFrustumRays, the first one at index `first`, in packets of
   /// wide::kLanes. Returns a bit for each packet that is answered; the others have rays that are
-  /// not of the pencil, or a pencil does not suit them.
+  /// not of the frustum, or a frustum does not suit them.
   std::uint32_t cast(std::size_t first, std::size_t count);
-  /// Whether the next packet of a block of rays that ends at `end` is answered: casts the pencil
+  /// Whether the next packet of a block of rays that ends at `end` is answered: casts the frustum
   /// that begins there.
   bool answers(const RayPacket& packet, std::size_t end);
 
@@ -40,16 +40,16 @@ class PencilCaster {
   const TraceStats& stats() const { return stats_; }
 
  private:
-  using Lanes = accel::wide::PencilLanes;
+  using Lanes = accel::wide::FrustumLanes;
 
-  /// The rays of a pencil. Its memory is not cleared, and not on the stack, since it is large.
+  /// The rays of a frustum. Its memory is not cleared, and not on the stack, since it is large.
   struct Group {
     Group() {}  // NOLINT(modernize-use-equals-default): that would clear it
 
     Masks masks;
-    std::array<accel::wide::GivenRays, accel::wide::kPencilPackets> given;
-    std::array<accel::wide::BestHits, accel::wide::kPencilPackets> best;
-    std::array<accel::wide::Packet, accel::wide::kPencilPackets> packets;
+    std::array<accel::wide::GivenRays, accel::wide::kFrustumPackets> given;
+    std::array<accel::wide::BestHits, accel::wide::kFrustumPackets> best;
+    std::array<accel::wide::Packet, accel::wide::kFrustumPackets> packets;
   };
 
   void make_group();
@@ -61,14 +61,14 @@ class PencilCaster {
   const TraceOptions options_;
   const accel::geometry::RayColumns& rays_;
   const accel::geometry::HitColumns& hits_;
-  const instances::Instance* const only_;  // null: pencils do not suit the revision
+  const instances::Instance* const only_;  // null: frustums do not suit the revision
   const bool any_;                         // any hit is asked for
   TraceStats stats_;
   // The next `to_skip_` groups of rays are not tried. Each try sets it to `failed_`, which is then
   // 0 after a success and 2 failed_ + 2 after a failure.
   std::size_t failed_ = 0, to_skip_ = 0;
   std::uint32_t answered_ = 0;    // a bit for each of the next packets
-  std::unique_ptr<Group> group_;  // made for the first pencil
+  std::unique_ptr<Group> group_;  // made for the first frustum
 };
 
 }  // namespace sightline::scenegraph::query

@@ -46,26 +46,26 @@ instances::SceneTrees next_trees(const Snapshot& base, const hierarchy::Hierarch
                                  const MobilityChange& change, const MergeState& state);
 
 /// Neighbouring trees: from `first` to before `end`.
-struct TierRange {
+struct LevelRange {
   std::size_t first = 0, end = 0;
 };
 
 /// The trees whose merge in the background is worth its cost, if any: into a static tree; or into a
 /// dynamic tree, of those that are not being merged into a static one. The newest tree is never
 /// among them: nothing shows yet that its nodes rest. Counts decide, and no clock.
-std::optional<TierRange> due_static_merge(const Snapshot& snapshot);
-std::optional<TierRange> due_dynamic_merge(const Snapshot& snapshot, const MergeState& state);
+std::optional<LevelRange> due_static_merge(const Snapshot& snapshot);
+std::optional<LevelRange> due_dynamic_merge(const Snapshot& snapshot, const MergeState& state);
 
 /// Makes one tree of these trees of the snapshot, and grows it where rays have grown them. Throws
 /// std::bad_alloc.
-instances::Tier merged(const Snapshot& base, TierRange range);
+instances::Level merged(const Snapshot& base, LevelRange range);
 
 /// Whether the snapshot has these trees of `base`.
-bool has_tiers(const Snapshot& snapshot, const Snapshot& base, TierRange range);
+bool has_levels(const Snapshot& snapshot, const Snapshot& base, LevelRange range);
 
 /// Returns `now` with the merged tree instead of those of `base`, which it has: it is the base or a
 /// later revision. Its content and its number are the same.
 std::shared_ptr<const Snapshot> with_merged(const Snapshot& now, const Snapshot& base,
-                                            TierRange range, const instances::Tier& tier);
+                                            LevelRange range, const instances::Level& level);
 
 }  // namespace sightline::scenegraph::revision

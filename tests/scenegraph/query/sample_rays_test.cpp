@@ -1,6 +1,6 @@
-// Scouts grow what a batch pays for: nothing for few rays, whole trees for many everywhere, and the
-// same with any number of threads.
-#include "scenegraph/query/scouts.h"
+// Sample rays grow what a batch pays for: nothing for few rays, whole trees for many everywhere,
+// and the same with any number of threads.
+#include "scenegraph/query/sample_rays.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
@@ -70,17 +70,17 @@ std::uint64_t built_by(double width, std::size_t count, Growth growth) {
   return stats.touches + stats.touches_prepare;
 }
 
-TEST(Scouts, BuildNothingForFewRays) {
+TEST(SampleRays, BuildNothingForFewRays) {
   constexpr std::uint64_t kSceneTree = 16;  // touches of the tree over both instances
   EXPECT_LE(built_by(1, 4, Growth::kDemand), kSceneTree);
 }
 
-TEST(Scouts, BuildWhatManyRaysNeedAndNoMore) {
+TEST(SampleRays, BuildWhatManyRaysNeedAndNoMore) {
   // A whole tree at once costs less than the same tree piece by piece.
   EXPECT_LT(built_by(0.1, 4096, Growth::kDemand), built_by(1, 65536, Growth::kDemand) / 2);
 }
 
-TEST(Scouts, LeaveTheAnswersAsTheyAre) {
+TEST(SampleRays, LeaveTheAnswersAsTheyAre) {
   for (const double width : {0.02, 0.3, 1.0}) {
     for (const std::size_t count : {1u, 16u, 300u, 5000u}) {
       const std::vector<Ray> rays = rays_at(width, count);
@@ -95,7 +95,7 @@ TEST(Scouts, LeaveTheAnswersAsTheyAre) {
   }
 }
 
-TEST(Scouts, MakeTheSameTreesOfTheSameBatches) {
+TEST(SampleRays, MakeTheSameTreesOfTheSameBatches) {
   tbb::task_arena arena(1);
   arena.execute([] {
     const auto one = two_meshes(), other = two_meshes();
@@ -113,7 +113,7 @@ TEST(Scouts, MakeTheSameTreesOfTheSameBatches) {
   });
 }
 
-TEST(Scouts, ARepeatedBatchReachesAFixedPoint) {
+TEST(SampleRays, ARepeatedBatchReachesAFixedPoint) {
   constexpr int kRepeats = 20;
   tbb::task_arena arena(1);
   arena.execute([] {

@@ -1,5 +1,5 @@
-// Keeps scenes in a store.
-#include "server/durable/store_keeper.h"
+// Creates, restores and finds scenes in a store.
+#include "server/durable/store_catalog.h"
 
 #include <spdlog/spdlog.h>
 
@@ -21,7 +21,7 @@ store::SceneInfo stored_info(const scenes::SceneInfo& info) {
 
 }  // namespace
 
-Result<scenes::KeptScene> StoreKeeper::create(const scenes::SceneInfo& info) {
+Result<scenes::KeptScene> StoreCatalog::create(const scenes::SceneInfo& info) {
   const store::SceneInfo stored = stored_info(info);
   const auto id = parts_.store.create_scene(stored);
   if (!id) return id.error();
@@ -31,8 +31,8 @@ Result<scenes::KeptScene> StoreKeeper::create(const scenes::SceneInfo& info) {
                            std::nullopt, *id, replica_};
 }
 
-Result<scenes::KeptScene> StoreKeeper::restore(const scenes::SceneInfo& info,
-                                               const scenegraph::SceneState& state, bool replace) {
+Result<scenes::KeptScene> StoreCatalog::restore(const scenes::SceneInfo& info,
+                                                const scenegraph::SceneState& state, bool replace) {
   NodesWriter writer(state);
   if (const auto kept = writer.keep_patched(parts_.blobs); !kept) return kept.error();
   const store::SceneInfo stored = stored_info(info);
@@ -45,7 +45,7 @@ Result<scenes::KeptScene> StoreKeeper::restore(const scenes::SceneInfo& info,
   return found(*record).kept;
 }
 
-Result<std::vector<scenes::SceneKeeper::Found>> StoreKeeper::find_all() {
+Result<std::vector<scenes::SceneCatalog::Found>> StoreCatalog::find_all() {
   const auto records = parts_.store.scenes();
   if (!records) return records.error();
   std::vector<Found> all;
@@ -58,20 +58,20 @@ Result<std::vector<scenes::SceneKeeper::Found>> StoreKeeper::find_all() {
   return all;
 }
 
-Result<std::optional<scenes::SceneKeeper::Found>> StoreKeeper::find(const std::string& name) {
+Result<std::optional<scenes::SceneCatalog::Found>> StoreCatalog::find(const std::string& name) {
   const auto record = parts_.store.find_scene(name);
   if (!record) return record.error();
   if (!*record) return std::optional<Found>();
   return std::optional(found(**record));
 }
 
-Result<scenes::SceneKeeper::Found> StoreKeeper::find(store::SceneId id) {
+Result<scenes::SceneCatalog::Found> StoreCatalog::find(store::SceneId id) {
   const auto record = parts_.store.scene(id);
   if (!record) return record.error();
   return found(*record);
 }
 
-scenes::SceneKeeper::Found StoreKeeper::found(const store::SceneRecord& record) const {
+scenes::SceneCatalog::Found StoreCatalog::found(const store::SceneRecord& record) const {
   return {{record.info.name, static_cast<scenes::UpAxis>(record.info.up_axis),
            record.info.meters_per_unit},
           {std::make_shared<StoreJournal>(parts_, record), record.info.incarnation, record.revision,

@@ -1,4 +1,4 @@
-#include "tests/accel/wide/pencil_of_rays.h"
+#include "tests/accel/wide/frustum_of_rays.h"
 
 #include <algorithm>
 #include <array>
@@ -14,9 +14,9 @@ using accel::geometry::Vec3d;
 
 namespace {
 
-class PencilMaker {
+class FrustumMaker {
  public:
-  PencilMaker(const TestMesh& mesh, std::uint64_t seed)
+  FrustumMaker(const TestMesh& mesh, std::uint64_t seed)
       : mesh_(mesh), random_(seed), main_(random_.below(3)), backward_(random_.below(2) == 0) {
     lo_ = hi_ = Vec3d(mesh.vertices[0]);
     for (const accel::geometry::Vec3f& v : mesh.vertices) {
@@ -28,7 +28,7 @@ class PencilMaker {
     size_ = accel::geometry::max_norm(hi_ - lo_);
   }
 
-  /// Where rays of the pencil meet. `away`: they run there from the mesh if it is outside.
+  /// Where rays of the frustum meet. `away`: they run there from the mesh if it is outside.
   Vec3d point(std::size_t kind, bool away) {
     if (kind >= 6) return on_mesh(kind - 6);
     Vec3d at = on_mesh(2);
@@ -51,7 +51,7 @@ class PencilMaker {
     return a + (b - a) * u + (c - a) * v;
   }
 
-  /// Along the pencil's axis for a unit of it.
+  /// Along the frustum's axis for a unit of it.
   Vec3d direction(const Vec3d& from) {
     Vec3d d{0, 0, 0};
     d[main_] = backward_ ? -1 : 1;
@@ -83,7 +83,7 @@ class PencilMaker {
     if (kind < 10) return random_.uniform(-2, 2) * narrow();
     return kSlopes[random_.below(kSlopes.size())];
   }
-  /// Some pencils are nearly lines.
+  /// Some frustums are nearly lines.
   double narrow() { return std::array{1.0, 1.0, 0x1p-8, 0x1p-26}[random_.below(4)]; }
 
   const TestMesh& mesh_;
@@ -96,8 +96,8 @@ class PencilMaker {
 
 }  // namespace
 
-std::vector<Ray> pencil_from_origin(const TestMesh& mesh, std::size_t count, std::uint64_t seed) {
-  PencilMaker maker(mesh, seed);
+std::vector<Ray> frustum_from_origin(const TestMesh& mesh, std::size_t count, std::uint64_t seed) {
+  FrustumMaker maker(mesh, seed);
   Random& random = maker.random();
   const Vec3d at = maker.point(seed % 9, true);
   std::vector<Ray> rays;
@@ -114,8 +114,8 @@ std::vector<Ray> pencil_from_origin(const TestMesh& mesh, std::size_t count, std
   return rays;
 }
 
-std::vector<Ray> pencil_toward_end(const TestMesh& mesh, std::size_t count, std::uint64_t seed) {
-  PencilMaker maker(mesh, seed);
+std::vector<Ray> frustum_toward_end(const TestMesh& mesh, std::size_t count, std::uint64_t seed) {
+  FrustumMaker maker(mesh, seed);
   Random& random = maker.random();
   const Vec3d at = maker.point(seed % 9, false);
   const bool nearly = random.below(3) == 0;

@@ -20,9 +20,10 @@ using Matrix = std::array<double, 12>;
 /// Transforms rays: sets origin, direction and unit as geometry::set_local_ray does for each
 /// transformed ray, bit for bit, and copies the limits. Returns the rays of `lanes` for which that
 /// succeeds.
-std::uint32_t carry(const GivenRays& given, const Matrix& matrix, std::uint32_t lanes, Rays& out);
+std::uint32_t transform(const GivenRays& given, const Matrix& matrix, std::uint32_t lanes,
+                        Rays& out);
 
-/// Translates rays by -center, as carry() does with a matrix.
+/// Translates rays by -center, as transform() does with a matrix.
 std::uint32_t center(const GivenRays& given, const geometry::Vec3d& center, std::uint32_t lanes,
                      Rays& out);
 

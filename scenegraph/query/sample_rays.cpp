@@ -1,6 +1,6 @@
-// Rounds of scouts: each goes to the first cell that is not built; those cells are grown where that
-// pays; the scouts of such cells go on.
-#include "scenegraph/query/scouts.h"
+// Rounds of sample rays: each goes to the first cell that is not built; those cells are grown where
+// that pays; the sample rays of such cells go on.
+#include "scenegraph/query/sample_rays.h"
 
 #include <algorithm>
 #include <numeric>
@@ -27,23 +27,23 @@ using accel::kdtree::BuildCounters;
 using accel::lazy::CellDecision;
 using accel::lazy::LazyTree;
 
-/// A scout that waits.
+/// A sample ray that waits.
 struct Waiting {
-  std::size_t scout;
+  std::size_t sample;
   Arrival arrival;
 };
 
-/// A cell, or the root of all, and the scouts that wait there.
+/// A cell, or the root of all, and the sample rays that wait there.
 struct AwaitedCell {
   bool all;
   LazyTree* tree;
   AtomicSlot* slot;
-  std::vector<std::size_t> scouts;
+  std::vector<std::size_t> samples;
   std::vector<LocalRay> rays;
   bool grew = false;
 };
 
-/// The cells at which scouts wait, in the order in which they were met.
+/// The cells at which sample rays wait, in the order in which they were met.
 std::vector<AwaitedCell> by_cell(const std::vector<Waiting>& waiting) {
   std::vector<AwaitedCell> cells;
   std::unordered_map<const AtomicSlot*, std::size_t> known;
@@ -53,7 +53,7 @@ std::vector<AwaitedCell> by_cell(const std::vector<Waiting>& waiting) {
     AtomicSlot* const slot = for_all ? &tree->root() : one.arrival.at.slot;
     const auto [at, fresh] = known.try_emplace(slot, cells.size());
     if (fresh) cells.push_back({for_all, tree, slot, {}, {}});
-    cells[at->second].scouts.push_back(one.scout);
+    cells[at->second].samples.push_back(one.sample);
     cells[at->second].rays.push_back(one.arrival.ray);
   }
   return cells;
@@ -92,19 +92,19 @@ bool grow(const AwaitedCell& cell, double rays_each, const TraceOptions& options
   return accel::kdtree::load(*cell.slot) != before;  // it has not changed if there was no room
 }
 
-/// All scouts of a batch.
-class Scouting {
+/// All sample rays of a batch.
+class SampleRays {
  public:
-  Scouting(const instances::OpenTrees& trees, const RayColumns& rays, QueryKind kind,
-           const TraceOptions& options)
+  SampleRays(const instances::OpenTrees& trees, const RayColumns& rays, QueryKind kind,
+             const TraceOptions& options)
       : trees_(trees), rays_(rays), kind_(kind), options_(options) {}
 
-  /// Whether the first few scouts find a cell that pays.
+  /// Whether the first few sample rays find a cell that pays.
   bool find_work(std::size_t all) {
-    std::vector<std::size_t> scouts(kFirstScouts);
-    for (std::size_t i = 0; i < kFirstScouts; ++i) scouts[i] = i * all / kFirstScouts;
-    const std::vector<Waiting> waiting = arrive(scouts, all);
-    const double rays_each = static_cast<double>(rays_.size) / kFirstScouts;
+    std::vector<std::size_t> samples(kFirstSamples);
+    for (std::size_t i = 0; i < kFirstSamples; ++i) samples[i] = i * all / kFirstSamples;
+    const std::vector<Waiting> waiting = arrive(samples, all);
+    const double rays_each = static_cast<double>(rays_.size) / kFirstSamples;
     BuildCounters unused;
     for (const AwaitedCell& cell : by_cell(waiting)) {
       if (pays(cell, rays_each, unused)) return true;
@@ -112,14 +112,14 @@ class Scouting {
     return false;
   }
 
-  /// Takes scouts through one round. Returns the ones that may go on.
-  std::vector<std::size_t> go(const std::vector<std::size_t>& scouts, std::size_t all) {
-    const std::vector<Waiting> waiting = arrive(scouts, all);
+  /// Takes sample rays through one round. Returns the ones that may go on.
+  std::vector<std::size_t> go(const std::vector<std::size_t>& samples, std::size_t all) {
+    const std::vector<Waiting> waiting = arrive(samples, all);
     std::vector<AwaitedCell> cells = by_cell(waiting);
     stats_ += grow_cells(cells, static_cast<double>(rays_.size) / static_cast<double>(all));
     std::vector<std::size_t> on;
     for (const AwaitedCell& cell : cells) {
-      if (cell.grew) on.insert(on.end(), cell.scouts.begin(), cell.scouts.end());
+      if (cell.grew) on.insert(on.end(), cell.samples.begin(), cell.samples.end());
     }
     std::sort(on.begin(), on.end());
     return on;
@@ -128,21 +128,22 @@ class Scouting {
   const TraceStats& stats() const { return stats_; }
 
  private:
-  /// Takes every scout to the first cell that is not built. Returns the ones that wait, in their
-  /// order.
-  std::vector<Waiting> arrive(const std::vector<std::size_t>& scouts, std::size_t all) {
-    constexpr std::size_t kScoutsPerTask = 128;  // fewer do not pay for waking another thread
-    std::vector<std::vector<Waiting>> parts((scouts.size() + kScoutsPerTask - 1) / kScoutsPerTask);
+  /// Takes every sample ray to the first cell that is not built. Returns the ones that wait, in
+  /// their order.
+  std::vector<Waiting> arrive(const std::vector<std::size_t>& samples, std::size_t all) {
+    constexpr std::size_t kSamplesPerTask = 128;  // fewer do not pay for waking another thread
+    std::vector<std::vector<Waiting>> parts((samples.size() + kSamplesPerTask - 1) /
+                                            kSamplesPerTask);
     std::vector<TraceStats> stats(parts.size());
     FirstError error;
     tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
       error.run([&] {
         accel::kdtree::EpochPin pin;
         Caster caster(pin, trees_, kind_, options_);
-        const std::size_t begin = part * kScoutsPerTask;
-        for (std::size_t i = begin; i < std::min(begin + kScoutsPerTask, scouts.size()); ++i) {
-          auto arrival = caster.scout(rays_, scouts[i] * rays_.size / all);
-          if (arrival) parts[part].push_back({scouts[i], *std::move(arrival)});
+        const std::size_t begin = part * kSamplesPerTask;
+        for (std::size_t i = begin; i < std::min(begin + kSamplesPerTask, samples.size()); ++i) {
+          auto arrival = caster.first_deferred_cell(rays_, samples[i] * rays_.size / all);
+          if (arrival) parts[part].push_back({samples[i], *std::move(arrival)});
         }
         stats[part] = caster.stats();
       });
@@ -176,7 +177,7 @@ class Scouting {
     return stats;
   }
 
-  /// The work of scouts counts, their answers do not: they are cast again.
+  /// The work of sample rays counts, their answers do not: they are cast again.
   void add_work(TraceStats stats) {
     stats.rays = stats.hits = stats.invalid = stats.instances_entered = 0;
     stats_ += stats;
@@ -193,14 +194,14 @@ class Scouting {
 
 TraceStats grow_for_batch(const instances::OpenTrees& trees, const RayColumns& rays, QueryKind kind,
                           const TraceOptions& options) {
-  const std::size_t all = std::min(rays.size / kRaysPerScout, kMostScouts);
-  if (all < kFirstScouts) return {};
-  Scouting scouting(trees, rays, kind, options);
-  if (!scouting.find_work(all)) return scouting.stats();
+  const std::size_t all = std::min(rays.size / kRaysPerSample, kMostSamples);
+  if (all < kFirstSamples) return {};
+  SampleRays samples(trees, rays, kind, options);
+  if (!samples.find_work(all)) return samples.stats();
   std::vector<std::size_t> on(all);
   std::iota(on.begin(), on.end(), std::size_t{0});
-  while (!on.empty() && !is_cancelled(options.cancelled)) on = scouting.go(on, all);
-  return scouting.stats();
+  while (!on.empty() && !is_cancelled(options.cancelled)) on = samples.go(on, all);
+  return samples.stats();
 }
 
 }  // namespace sightline::scenegraph::query

@@ -1,11 +1,11 @@
-#include "scenegraph/query/pencil_caster.h"
+#include "scenegraph/query/frustum_caster.h"
 
 #include <algorithm>
 #include <bit>
 
 #include "accel/lazy/lazy_tree.h"
 #include "accel/mesh/mesh_tree.h"
-#include "accel/wide/carry.h"
+#include "accel/wide/transform.h"
 
 namespace sightline::scenegraph::query {
 namespace {
@@ -36,9 +36,9 @@ template <bool kWritten>
 
 }  // namespace
 
-PencilCaster::PencilCaster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees,
-                           const TraceOptions& options, const RayColumns& rays,
-                           const HitColumns& hits)
+FrustumCaster::FrustumCaster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees,
+                             const TraceOptions& options, const RayColumns& rays,
+                             const HitColumns& hits)
     : pin_(pin),
       trees_(trees),
       options_(options),
@@ -47,7 +47,7 @@ PencilCaster::PencilCaster(accel::kdtree::EpochPin& pin, const instances::OpenTr
       only_(find_only(trees, options)),
       any_(options.kind == QueryKind::kAny) {}
 
-void PencilCaster::make_group() {
+void FrustumCaster::make_group() {
   group_ = std::make_unique<Group>();
   for (std::size_t p = 0; p < group_->packets.size(); ++p) {
     Packet& packet = group_->packets[p];
@@ -59,13 +59,13 @@ void PencilCaster::make_group() {
   }
 }
 
-bool PencilCaster::answers(const RayPacket& packet, std::size_t end) {
-  const std::size_t first = packet.first, next = std::min(first + kPencilRays, end);
+bool FrustumCaster::answers(const RayPacket& packet, std::size_t end) {
+  const std::size_t first = packet.first, next = std::min(first + kFrustumRays, end);
   answered_ >>= 1;
-  if (first % kPencilRays == 0) {
+  if (first % kFrustumRays == 0) {
     // These are the columns that structs begin with; the processor prefetches narrower ones by
     // itself.
-    const std::size_t last = std::min(next + kPencilRays, rays_.size);
+    const std::size_t last = std::min(next + kFrustumRays, rays_.size);
     prefetch<false>(rays_.origin[0].at(next), rays_.origin[0].at(last));
     if (hits_.t.is_asked()) prefetch<true>(hits_.t.at(next), hits_.t.at(last));
     answered_ = cast(first, next - first);
@@ -73,8 +73,8 @@ bool PencilCaster::answers(const RayPacket& packet, std::size_t end) {
   return (answered_ & 1) != 0;
 }
 
-std::uint32_t PencilCaster::cast(std::size_t first, std::size_t count) {
-  // One ray is no pencil.
+std::uint32_t FrustumCaster::cast(std::size_t first, std::size_t count) {
+  // One ray is no frustum.
   if (only_ == nullptr || count == 1 || !only_->mesh->is_resident()) return 0;
   if (to_skip_ > 0) {
     --to_skip_;
@@ -85,7 +85,7 @@ std::uint32_t PencilCaster::cast(std::size_t first, std::size_t count) {
   const std::size_t packets = (count + kLanes - 1) / kLanes;
   const Lanes lanes = read(first, count);
   accel::kdtree::WalkCounters walked;
-  const Lanes done = only_->mesh->owned_tree().tree.query_pencil(
+  const Lanes done = only_->mesh->owned_tree().tree.query_frustum(
       std::span(group_->packets).first(packets), lanes, walked);
   const std::uint32_t answered = write(first, count, done);
   to_skip_ = failed_;
@@ -98,7 +98,7 @@ std::uint32_t PencilCaster::cast(std::size_t first, std::size_t count) {
 }
 
 /// Returns the rays in the instance's frame that are valid and see it.
-PencilCaster::Lanes PencilCaster::read(std::size_t first, std::size_t count) {
+FrustumCaster::Lanes FrustumCaster::read(std::size_t first, std::size_t count) {
   Lanes lanes{};
   for (std::size_t i = 0, p = 0; i < count; i += kLanes, ++p) {
     const RayPacket range{first + i, std::min(kLanes, count - i)};
@@ -110,12 +110,12 @@ PencilCaster::Lanes PencilCaster::read(std::size_t first, std::size_t count) {
     group_->masks.read(rays_.mask, range);
     const std::uint32_t valid = accel::wide::valid(given, trees_.static_tree().center(),
                                                    group_->masks.seeing(only_->mask, range.lanes));
-    lanes[p] = accel::wide::carry(given, only_->local_from_world.m, valid, packet.rays);
+    lanes[p] = accel::wide::transform(given, only_->local_from_world.m, valid, packet.rays);
   }
   return lanes;
 }
 
-std::uint32_t PencilCaster::write(std::size_t first, std::size_t count, const Lanes& done) {
+std::uint32_t FrustumCaster::write(std::size_t first, std::size_t count, const Lanes& done) {
   std::uint32_t answered = 0;
   for (std::size_t i = 0, p = 0; i < count; i += kLanes, ++p) {
     const RayPacket range{first + i, std::min(kLanes, count - i)};

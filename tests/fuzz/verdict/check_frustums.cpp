@@ -1,4 +1,4 @@
-#include "tests/fuzz/verdict/check_pencils.h"
+#include "tests/fuzz/verdict/check_frustums.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "accel/geometry/local_ray.h"
-#include "accel/wide/pencil.h"
+#include "accel/wide/frustum.h"
 #include "tests/fuzz/verdict/check_packets.h"
 #include "tests/fuzz/verdict/exact_answers.h"
 
@@ -21,10 +21,10 @@ using accel::geometry::Vec3d;
 
 namespace {
 
-/// Rays of a case as a pencil around one of them.
-class PencilCase {
+/// Rays of a case as a frustum around one of them.
+class FrustumCase {
  public:
-  PencilCase(const VerdictCase& from, std::size_t first, bool toward)
+  FrustumCase(const VerdictCase& from, std::size_t first, bool toward)
       : from_(from), at_(from.rays[first].ray.origin), toward_(toward) {
     out_.vertices = from.vertices;
     out_.faces = from.faces;
@@ -50,12 +50,12 @@ class PencilCase {
            (1.0 / 3);
   }
 
-  /// With the limits and the best hit of a ray, as far as a pencil may have them.
+  /// With the limits and the best hit of a ray, as far as a frustum may have them.
   void add(const Vec3d& along, const AskedRay& like) {
     AskedRay ray = like;
     ray.ray.origin = toward_ ? at_ + along * 1.5 : at_;
     ray.ray.direction = toward_ ? at_ - ray.ray.origin : along;
-    if (out_.rays.size() == wide::kPencilPackets * wide::kLanes ||
+    if (out_.rays.size() == wide::kFrustumPackets * wide::kLanes ||
         !accel::geometry::make_local_ray(ray.ray.origin, ray.ray.direction))
       return;
     ray.ray.tmin = std::max(ray.ray.tmin, 0.0);
@@ -74,10 +74,10 @@ class PencilCase {
   VerdictCase out_;
 };
 
-/// The packets of a pencil.
-class PencilAsking {
+/// The packets of a frustum.
+class FrustumAsking {
  public:
-  PencilAsking(const VerdictCase& asked, const VerdictTree& tree, bool any)
+  FrustumAsking(const VerdictCase& asked, const VerdictTree& tree, bool any)
       : asked_(asked), any_(any) {
     for (std::size_t first = 0, p = 0; first < asked.rays.size(); first += wide::kLanes, ++p) {
       VerdictCase part;
@@ -96,7 +96,7 @@ class PencilAsking {
   std::optional<std::string> walk(const VerdictTree& tree, const wide::WideTree& walked,
                                   const ExactAnswers& exact, std::uint64_t& done) {
     accel::kdtree::WalkCounters counters;
-    const wide::PencilLanes answered = wide::walk_pencil(
+    const wide::FrustumLanes answered = wide::walk_frustum(
         packets_, tree.frame(), wide::Child::final(walked.root()), lanes_, counters);
     for (std::size_t i = 0; i < asked_.rays.size(); ++i) {
       const bool is_done = answered[i / wide::kLanes] >> i % wide::kLanes & 1;
@@ -126,24 +126,24 @@ class PencilAsking {
   const bool any_;
   std::vector<wide::Packet> packets_;
   std::vector<std::unique_ptr<wide::BestHits>> best_;
-  wide::PencilLanes lanes_{};
+  wide::FrustumLanes lanes_{};
 };
 
 }  // namespace
 
-std::optional<std::string> check_pencils(const VerdictCase& asked, const VerdictTree& tree,
-                                         std::uint64_t& done) {
+std::optional<std::string> check_frustums(const VerdictCase& asked, const VerdictTree& tree,
+                                          std::uint64_t& done) {
   for (const std::size_t first : {std::size_t{0}, asked.rays.size() / 2}) {
     for (const bool toward : {false, true}) {
-      const PencilCase pencil(asked, first, toward);
-      if (pencil.made().rays.empty()) continue;
-      const ExactAnswers exact(pencil.made());
+      const FrustumCase frustum(asked, first, toward);
+      if (frustum.made().rays.empty()) continue;
+      const ExactAnswers exact(frustum.made());
       for (const wide::WideTree* walked : {&tree.single(), &tree.dense()}) {
         for (const bool any : {false, true}) {
           if (toward && !any) continue;
-          auto wrong = PencilAsking(pencil.made(), tree, any).walk(tree, *walked, exact, done);
+          auto wrong = FrustumAsking(frustum.made(), tree, any).walk(tree, *walked, exact, done);
           if (wrong)
-            return fmt::format("pencil {} the origin of ray {}, {}", toward ? "toward" : "from",
+            return fmt::format("frustum {} the origin of ray {}, {}", toward ? "toward" : "from",
                                first, *wrong);
         }
       }

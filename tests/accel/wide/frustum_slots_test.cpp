@@ -1,10 +1,10 @@
-// Pencils through wide nodes over slots: finished ones, and ones that are not.
+// Frustums through wide nodes over slots: finished ones, and ones that are not.
 #include <gtest/gtest.h>
 
 #include <memory>
 #include <vector>
 
-#include "accel/wide/pencil.h"
+#include "accel/wide/frustum.h"
 #include "tests/accel/simd_targets.h"
 #include "tests/accel/wide/mesh_in_parts.h"
 
@@ -16,12 +16,12 @@ using tests::Answer;
 using tests::MeshInParts;
 using tests::search;
 
-class PencilSlots : public tests::OnSimdTarget {};
-INSTANTIATE_TEST_SUITE_P(Every, PencilSlots, tests::every_simd_target(), tests::simd_target_name);
+class FrustumSlots : public tests::OnSimdTarget {};
+INSTANTIATE_TEST_SUITE_P(Every, FrustumSlots, tests::every_simd_target(), tests::simd_target_name);
 
 /// One packet.
-struct PencilWalk {
-  PencilWalk(std::span<const Ray> rays, bool any) {
+struct FrustumWalk {
+  FrustumWalk(std::span<const Ray> rays, bool any) {
     best->clear();
     packet->best = best.get();
     packet->goal = any ? Goal::kAny : Goal::kNearest;
@@ -40,8 +40,8 @@ struct PencilWalk {
   std::unique_ptr<BestHits> best = std::make_unique<BestHits>();
 };
 
-/// Of a camera.
-std::vector<Ray> pencil(double aim) {
+/// The rays of a camera.
+std::vector<Ray> frustum(double aim) {
   std::vector<Ray> rays;
   for (std::size_t i = 0; i < kLanes; ++i) {
     const double x = static_cast<double>(i) / kLanes;
@@ -51,17 +51,18 @@ std::vector<Ray> pencil(double aim) {
 }
 
 /// Whether all rays are done; else none is.
-bool is_done_as_pencil(const MeshInParts& parts, Child root, std::span<const Ray> rays,
-                       PencilWalk& walk) {
-  PencilLanes lanes{};
+bool is_done_as_frustum(const MeshInParts& parts, Child root, std::span<const Ray> rays,
+                        FrustumWalk& walk) {
+  FrustumLanes lanes{};
   lanes[0] = (1u << rays.size()) - 1;
   kdtree::WalkCounters walked;
-  const PencilLanes done = walk_pencil({walk.packet.get(), 1}, parts.of.frame, root, lanes, walked);
-  EXPECT_TRUE(done == lanes || done == PencilLanes{});
+  const FrustumLanes done =
+      walk_frustum({walk.packet.get(), 1}, parts.of.frame, root, lanes, walked);
+  EXPECT_TRUE(done == lanes || done == FrustumLanes{});
   return done == lanes;
 }
 
-TEST_P(PencilSlots, GoThroughFinishedOnesAndPassEmptyLeaves) {
+TEST_P(FrustumSlots, GoThroughFinishedOnesAndPassEmptyLeaves) {
   for (const bool any : {false, true}) {
     for (const double aim : {0.0, 0.5, 1.0}) {
       MeshInParts parts(tests::random_soup(80, 0.2, 3), 9);
@@ -69,17 +70,17 @@ TEST_P(PencilSlots, GoThroughFinishedOnesAndPassEmptyLeaves) {
       for (std::size_t part = 0; part < parts.slots.size(); ++part) {
         is_finished(part) ? parts.finish(part) : parts.empty(part);
       }
-      const std::vector<Ray> rays = pencil(aim);
-      PencilWalk walk(rays, any);
-      ASSERT_TRUE(is_done_as_pencil(parts, parts.root(), rays, walk));
+      const std::vector<Ray> rays = frustum(aim);
+      FrustumWalk walk(rays, any);
+      ASSERT_TRUE(is_done_as_frustum(parts, parts.root(), rays, walk));
       for (std::size_t lane = 0; lane < rays.size(); ++lane)
         ASSERT_EQ(walk.answer(lane), search(parts, rays[lane], any, is_finished));
     }
   }
 }
 
-// A part that is no leaf yet: a pencil that goes on past it has no better hit there.
-TEST_P(PencilSlots, EndAtOnesThatAreNotFinished) {
+// A part that is no leaf yet: a frustum that goes on past it has no better hit there.
+TEST_P(FrustumSlots, EndAtOnesThatAreNotFinished) {
   std::size_t done = 0, not_done = 0;
   for (const bool any : {false, true}) {
     for (const double aim : {-2.0, 0.0, 0.5, 1.0, 3.0}) {
@@ -87,9 +88,9 @@ TEST_P(PencilSlots, EndAtOnesThatAreNotFinished) {
         MeshInParts parts(tests::random_soup(200, 0.05, 3), 40);
         for (std::size_t part = 0; part < parts.slots.size(); ++part) parts.finish(part);
         parts.open(open);
-        const std::vector<Ray> rays = pencil(aim);
-        PencilWalk walk(rays, any);
-        if (!is_done_as_pencil(parts, parts.root(), rays, walk)) {
+        const std::vector<Ray> rays = frustum(aim);
+        FrustumWalk walk(rays, any);
+        if (!is_done_as_frustum(parts, parts.root(), rays, walk)) {
           ++not_done;
           if (any) continue;
           for (std::size_t lane = 0; lane < rays.size(); ++lane)
@@ -107,21 +108,21 @@ TEST_P(PencilSlots, EndAtOnesThatAreNotFinished) {
   EXPECT_GT(not_done, 20u);
 }
 
-TEST_P(PencilSlots, ARootMayBeASlot) {
+TEST_P(FrustumSlots, ARootMayBeASlot) {
   MeshInParts parts(tests::random_soup(80, 0.2, 3), 2);
-  const std::vector<Ray> rays = pencil(0.5);
+  const std::vector<Ray> rays = frustum(0.5);
   for (const bool any : {false, true}) {
     parts.empty(0);
-    PencilWalk empty(rays, any);
-    EXPECT_TRUE(is_done_as_pencil(parts, Child::at(*parts.slots[0]), rays, empty));
+    FrustumWalk empty(rays, any);
+    EXPECT_TRUE(is_done_as_frustum(parts, Child::at(*parts.slots[0]), rays, empty));
     EXPECT_EQ(empty.best->found, 0u);
     parts.open(0);
-    PencilWalk open(rays, any);
-    EXPECT_FALSE(is_done_as_pencil(parts, Child::at(*parts.slots[0]), rays, open));
+    FrustumWalk open(rays, any);
+    EXPECT_FALSE(is_done_as_frustum(parts, Child::at(*parts.slots[0]), rays, open));
     EXPECT_EQ(open.best->found, 0u);
     parts.finish(0);
-    PencilWalk walk(rays, any);
-    ASSERT_TRUE(is_done_as_pencil(parts, Child::at(*parts.slots[0]), rays, walk));
+    FrustumWalk walk(rays, any);
+    ASSERT_TRUE(is_done_as_frustum(parts, Child::at(*parts.slots[0]), rays, walk));
     for (std::size_t lane = 0; lane < rays.size(); ++lane) {
       const auto is_first = [](std::size_t part) { return part == 0; };
       ASSERT_EQ(walk.answer(lane), search(parts, rays[lane], any, is_first));

@@ -1,9 +1,9 @@
-// The walk of a pencil. docs/hit_rule.md, section 8, derives the constants.
-#if defined(SIGHTLINE_WIDE_PENCIL_INL) == defined(HWY_TARGET_TOGGLE)
-#ifdef SIGHTLINE_WIDE_PENCIL_INL
-#undef SIGHTLINE_WIDE_PENCIL_INL
+// The walk of a frustum. docs/hit_rule.md, section 8, derives the constants.
+#if defined(SIGHTLINE_WIDE_FRUSTUM_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef SIGHTLINE_WIDE_FRUSTUM_INL
+#undef SIGHTLINE_WIDE_FRUSTUM_INL
 #else
-#define SIGHTLINE_WIDE_PENCIL_INL
+#define SIGHTLINE_WIDE_FRUSTUM_INL
 #endif
 
 #include <algorithm>
@@ -14,9 +14,9 @@
 #include <cstdint>
 
 #include "accel/blocks/block.h"
-#include "accel/wide/keep-inl.h"
-#include "accel/wide/pencil_planes-inl.h"
-#include "accel/wide/pencil_rays-inl.h"
+#include "accel/wide/candidates-inl.h"
+#include "accel/wide/frustum_planes-inl.h"
+#include "accel/wide/frustum_rays-inl.h"
 #include "accel/wide/walk-inl.h"
 #include "accel/wide/wide_tree.h"
 
@@ -24,10 +24,10 @@ HWY_BEFORE_NAMESPACE();
 namespace sightline::accel::wide {
 namespace HWY_NAMESPACE {
 
-/// The boxes that a pencil may meet.
-class PencilBoxes {
+/// The boxes that a frustum may meet.
+class FrustumBoxes {
  public:
-  HWY_INLINE PencilBoxes(const PencilRays& rays, float extent) {
+  HWY_INLINE FrustumBoxes(const FrustumRays& rays, float extent) {
     const Point& point = rays.point;
     float farthest = 0;
     for (const double at : point.at)
@@ -77,10 +77,10 @@ class PencilBoxes {
 };
 
 template <bool kAny>
-class Pencil {
+class Frustum {
  public:
-  HWY_INLINE Pencil(std::span<Packet> packets, const PencilRays& rays, const Frame& frame,
-                    const PencilLanes& lanes, kdtree::WalkCounters& counters)
+  HWY_INLINE Frustum(std::span<Packet> packets, const FrustumRays& rays, const Frame& frame,
+                     const FrustumLanes& lanes, kdtree::WalkCounters& counters)
       : packets_(packets),
         lanes_(lanes),
         counters_(counters),
@@ -88,7 +88,7 @@ class Pencil {
         planes_(rays) {
     low_.fill(std::numeric_limits<float>::max());
     high_.fill(-std::numeric_limits<float>::max());
-    for (std::size_t p = 0; p < kPencilPackets; ++p) {
+    for (std::size_t p = 0; p < kFrustumPackets; ++p) {
       const FloatRays& floats = packets[std::min(p, packets.size() - 1)].floats;
       slopes_x_[p] = floats.shear_x;
       slopes_y_[p] = floats.shear_y;
@@ -156,12 +156,12 @@ class Pencil {
     for (; left != 0; left &= left - 1) {
       const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
       // All packets are tested at once, so that none waits for another's branch.
-      std::array<std::uint32_t, kPencilPackets> possible;
-      for (std::size_t p = 0; p < kPencilPackets; ++p)
+      std::array<std::uint32_t, kFrustumPackets> possible;
+      for (std::size_t p = 0; p < kFrustumPackets; ++p)
         possible[p] = lanes_[p] & planes_.met(i, Floats::load(slopes_x_[p].data()),
                                               Floats::load(slopes_y_[p].data()));
       if ((possible[0] | possible[1] | possible[2] | possible[3]) == 0) continue;
-      for (std::size_t p = 0; p < kPencilPackets; ++p) {
+      for (std::size_t p = 0; p < kFrustumPackets; ++p) {
         if (possible[p] != 0 && test(p, possible[p], words, i)) lowered |= 1u << p;
       }
       if (kAny && is_done()) return;
@@ -173,7 +173,7 @@ class Pencil {
   }
 
  private:
-  /// A pencil meets at most this number of blocks; most of any others would be met by few of its
+  /// A frustum meets at most this number of blocks; most of any others would be met by few of its
   /// rays.
   static constexpr std::size_t kMostBlocks = 32;
 
@@ -194,7 +194,7 @@ class Pencil {
       lanes_[p] &= ~packet.best->found;
       return lanes_[p] != before;
     } else {
-      return keep(packet, words, i, verdict);
+      return add_candidates(packet, words, i, verdict);
     }
   }
 
@@ -224,13 +224,13 @@ class Pencil {
   }
 
   std::span<Packet> packets_;
-  PencilLanes lanes_;
-  const PencilLanes group_ = lanes_;
+  FrustumLanes lanes_;
+  const FrustumLanes group_ = lanes_;
   kdtree::WalkCounters& counters_;
-  const PencilBoxes boxes_;
-  PencilPlanes planes_;
-  std::array<float, kPencilPackets> low_, high_;
-  std::array<Column<float>, kPencilPackets> slopes_x_, slopes_y_;
+  const FrustumBoxes boxes_;
+  FrustumPlanes planes_;
+  std::array<float, kFrustumPackets> low_, high_;
+  std::array<Column<float>, kFrustumPackets> slopes_x_, slopes_y_;
   float nearest_ = 0, farthest_ = 0;
   std::size_t blocks_ = 0;
   bool gave_up_ = false;

@@ -1,4 +1,4 @@
-// Keeps scenes in a store.
+// The catalog of the scenes in a store.
 #pragma once
 
 #include <memory>
@@ -18,10 +18,10 @@ struct StoreParts {
   exec::Compute& compute;
 };
 
-class StoreKeeper final : public scenes::SceneKeeper {
+class StoreCatalog final : public scenes::SceneCatalog {
  public:
   /// `replica`: where other servers use the store, too; else null.
-  explicit StoreKeeper(const StoreParts& parts, std::shared_ptr<scenes::Replica> replica = nullptr)
+  explicit StoreCatalog(const StoreParts& parts, std::shared_ptr<scenes::Replica> replica = nullptr)
       : parts_(parts), replica_(std::move(replica)) {}
 
   Result<scenes::KeptScene> create(const scenes::SceneInfo& info) override;

@@ -1,4 +1,4 @@
-// Checks the answers of pencils through trees of a case's triangles.
+// Checks the answers of frustums through trees of a case's triangles.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +12,8 @@ namespace sightline::tests {
 
 /// From the origins of some rays of a case, or toward those as ends, along all its rays and through
 /// its vertices and triangles: nearest and any hit equal the hit rule. Adds the number of rays that
-/// pencils answer to `done`. Describes what is wrong.
-std::optional<std::string> check_pencils(const VerdictCase& asked, const VerdictTree& tree,
-                                         std::uint64_t& done);
+/// frustums answer to `done`. Describes what is wrong.
+std::optional<std::string> check_frustums(const VerdictCase& asked, const VerdictTree& tree,
+                                          std::uint64_t& done);
 
 }  // namespace sightline::tests

@@ -1,5 +1,5 @@
 // Trees that are made for revisions, and merged.
-#include "scenegraph/revision/tiers.h"
+#include "scenegraph/revision/levels.h"
 
 #include <gtest/gtest.h>
 
@@ -43,7 +43,7 @@ model::SetTransforms move(model::NodeRef first, int count, int round) {
   return set;
 }
 
-TEST(Tiers, ASmallTreeIsPartOfThatOfTheNextRevision) {
+TEST(Levels, ASmallTreeIsPartOfThatOfTheNextRevision) {
   Scene scene;
   add_row(scene, 100);
   for (int round = 0; round < 5; ++round) {
@@ -54,23 +54,23 @@ TEST(Tiers, ASmallTreeIsPartOfThatOfTheNextRevision) {
   expect_as_oracle(scene.snapshot(), 1);
 }
 
-TEST(Tiers, ALargeTreeIsKept) {
+TEST(Levels, ALargeTreeIsKept) {
   Scene scene;
   add_row(scene, 1000);
   cast_one(scene);
   ASSERT_TRUE(scene.apply({move(1, 300, 0)}));
   cast_one(scene);
-  const auto large = scene.snapshot()->shared_trees().tiers.at(1).tree;
+  const auto large = scene.snapshot()->shared_trees().levels.at(1).tree;
   for (int round = 0; round < 5; ++round) {
     ASSERT_TRUE(scene.apply({move(500, 10, round)}));
     cast_one(scene);
-    EXPECT_EQ(scene.snapshot()->shared_trees().tiers.at(1).tree, large);
+    EXPECT_EQ(scene.snapshot()->shared_trees().levels.at(1).tree, large);
   }
   EXPECT_EQ(sizes_of_dynamic(*scene.snapshot()), (std::vector<std::size_t>{300, 10}));
   expect_as_oracle(scene.snapshot(), 2);
 }
 
-TEST(Tiers, NodesThatAlwaysMoveMakeOneTree) {
+TEST(Levels, NodesThatAlwaysMoveMakeOneTree) {
   Scene scene;
   add_row(scene, 1000);
   for (int round = 0; round < 10; ++round) {
@@ -82,7 +82,7 @@ TEST(Tiers, NodesThatAlwaysMoveMakeOneTree) {
 }
 
 /// Without rays between revisions, no tree has cost anything.
-TEST(Tiers, TreesThatNoRayOpenedAreNotKept) {
+TEST(Levels, TreesThatNoRayOpenedAreNotKept) {
   Scene scene;
   add_row(scene, 1000);
   cast_one(scene);
@@ -93,7 +93,7 @@ TEST(Tiers, TreesThatNoRayOpenedAreNotKept) {
 }
 
 /// Each tree holds more than the newer ones together, about.
-TEST(Tiers, TheirNumberGrowsWithTheLogarithm) {
+TEST(Levels, TheirNumberGrowsWithTheLogarithm) {
   constexpr int kRounds = 200;
   Scene scene(MergeRule{.small_tree = 0, .at_once = 100'000, .many_trees = 100});
   add_row(scene, 2 * kRounds);
@@ -103,19 +103,19 @@ TEST(Tiers, TheirNumberGrowsWithTheLogarithm) {
     const auto newest = scene.snapshot()->trees().all().back();
     if (round > 0) opened += newest.instances.opened_members();
     ASSERT_TRUE(scene.apply({move(1 + 2 * round, 2, round)}));
-    EXPECT_LE(scene.snapshot()->shared_trees().tiers.size(), 18u);
+    EXPECT_LE(scene.snapshot()->shared_trees().levels.size(), 18u);
   }
   EXPECT_LE(opened, 2u * kRounds * 8);
   expect_as_oracle(scene.snapshot(), 5);
 }
 
-TEST(Tiers, ThereAreFewEvenIfNoneIsMergedInTheBackground) {
+TEST(Levels, ThereAreFewEvenIfNoneIsMergedInTheBackground) {
   Scene scene(MergeRule{.small_tree = 0, .at_once = 2, .many_trees = 4});
   add_row(scene, 400);
   for (int round = 0; round < 200; ++round) {
     cast_one(scene);
     ASSERT_TRUE(scene.apply({move(1 + 2 * round, 2, round)}));
-    EXPECT_LE(scene.snapshot()->shared_trees().tiers.size(), 20u);
+    EXPECT_LE(scene.snapshot()->shared_trees().levels.size(), 20u);
   }
   expect_as_oracle(scene.snapshot(), 6);
 }
@@ -142,13 +142,13 @@ TEST(Merge, ADynamicOneAfterAStaticOneKeepsNodesBelowOnesThatBecameStatic) {
   revise(move(20, 8, 0));
   revise(move(2, 4, 1));  // some of those below
   revise(move(30, 2, 2));
-  ASSERT_EQ(scene.snapshot()->shared_trees().tiers.size(), 5U);
-  const TierRange resting{0, 2}, later{1, 3};
+  ASSERT_EQ(scene.snapshot()->shared_trees().levels.size(), 5U);
+  const LevelRange resting{0, 2}, later{1, 3};
   const auto with_static = with_merged(*scene.snapshot(), *base, resting, merged(*base, resting));
   expect_as_oracle(with_static, 11);
   const auto with_both =
       with_merged(*with_static, *with_static, later, merged(*with_static, later));
-  ASSERT_EQ(with_both->shared_trees().tiers.size(), 3U);
+  ASSERT_EQ(with_both->shared_trees().levels.size(), 3U);
   expect_as_oracle(with_both, 12);
 }
 
@@ -313,7 +313,7 @@ TEST(Merge, KeepsHitsCorrectAmongAnyUpdates) {
       for (std::uint64_t round = 0; round < 120; ++round) {
         history.step();
         const auto snapshot = history.scene().snapshot();
-        most_trees = std::max(most_trees, snapshot->shared_trees().tiers.size());
+        most_trees = std::max(most_trees, snapshot->shared_trees().levels.size());
         ASSERT_GE(snapshot->trees().size(), snapshot->hierarchy().summary(0).instances);
         if (round % 3 == 0) expect_as_oracle(snapshot, round);
         if (HasFailure()) return;

@@ -1,5 +1,5 @@
-// Pencils find what the hit rule finds over every triangle, on every SIMD target.
-#include "accel/wide/pencil.h"
+// Frustums find what the hit rule finds over every triangle, on every SIMD target.
+#include "accel/wide/frustum.h"
 
 #include <algorithm>
 #include <array>
@@ -9,8 +9,8 @@
 #include <tuple>
 
 #include "tests/accel/simd_targets.h"
+#include "tests/accel/wide/frustum_of_rays.h"
 #include "tests/accel/wide/mesh_as_tree.h"
-#include "tests/accel/wide/pencil_of_rays.h"
 #include "tests/accel/wide/rule_over_mesh.h"
 #include "tests/accel/wide/walk_meshes.h"
 #include "tests/support/random.h"
@@ -44,7 +44,7 @@ std::ostream& operator<<(std::ostream& out, const Best& best) {
   return out << "t " << best.t << ", node " << best.node << ", triangle " << best.primitive;
 }
 
-/// Packets of a pencil, its rays one after the other, or in every other lane.
+/// Packets of a frustum, its rays one after the other, or in every other lane.
 class Packets {
  public:
   Packets(std::span<const Ray> rays, const Question& question, std::size_t stride) {
@@ -81,27 +81,27 @@ class Packets {
     const BestHits& from = best_[packet];
     return {from.t[lane], from.node[lane], from.primitive[lane], (from.found >> lane & 1) != 0};
   }
-  static bool has(const PencilLanes& lanes, const std::pair<std::size_t, std::size_t>& at) {
+  static bool has(const FrustumLanes& lanes, const std::pair<std::size_t, std::size_t>& at) {
     return (lanes[at.first] >> at.second & 1) != 0;
   }
 
   /// Sets which rays are done.
   void walk(const Frame& frame, Child root) {
     kdtree::WalkCounters counters;
-    const PencilLanes walked =
-        walk_pencil(std::span(packets_).first(count_), frame, root, lanes, counters);
-    for (std::size_t p = 0; p < kPencilPackets; ++p) EXPECT_EQ(walked[p] & ~lanes[p], 0u);
+    const FrustumLanes walked =
+        walk_frustum(std::span(packets_).first(count_), frame, root, lanes, counters);
+    for (std::size_t p = 0; p < kFrustumPackets; ++p) EXPECT_EQ(walked[p] & ~lanes[p], 0u);
     done.clear();
     for (const auto& at : at_) done.push_back(has(walked, at));
   }
 
-  PencilLanes lanes{};
+  FrustumLanes lanes{};
   std::vector<bool> done;
 
  private:
   std::size_t count_ = 0;
-  std::array<Packet, kPencilPackets> packets_;
-  std::array<BestHits, kPencilPackets> best_;
+  std::array<Packet, kFrustumPackets> packets_;
+  std::array<BestHits, kFrustumPackets> best_;
   std::vector<std::pair<std::size_t, std::size_t>> at_;
 };
 
@@ -136,7 +136,7 @@ class OfMesh {
       } else if (question_.any) {
         EXPECT_TRUE(exact.found || !best.found) << tests::text(rays[i]) << ", ray " << i;
       } else {
-        // What was decided before the pencil gave up is true.
+        // What was decided before the frustum gave up is true.
         EXPECT_FALSE(best < exact || had < best) << tests::text(rays[i]) << ", ray " << i;
       }
     }
@@ -174,14 +174,14 @@ class OfMesh {
   const Question question_;
 };
 
-constexpr std::array<Question, 4> kPencilQuestions{
+constexpr std::array<Question, 4> kFrustumQuestions{
     Question{}, Question{.any = true}, Question{.culling = Culling::kBack},
     Question{.any = true, .culling = Culling::kFront}};
 constexpr std::array<Question, 3> kAny{Question{.any = true},
                                        Question{.any = true, .culling = Culling::kBack},
                                        Question{.any = true, .culling = Culling::kFront}};
 
-class PencilOnMesh : public ::testing::TestWithParam<std::tuple<std::int64_t, std::size_t>> {
+class FrustumOnMesh : public ::testing::TestWithParam<std::tuple<std::int64_t, std::size_t>> {
  protected:
   void SetUp() override {
     hwy::SetSupportedTargetsForTest(std::get<0>(GetParam()));
@@ -189,17 +189,17 @@ class PencilOnMesh : public ::testing::TestWithParam<std::tuple<std::int64_t, st
   }
   void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
 
-  /// No pencil goes that far.
+  /// No frustum goes that far.
   bool is_walked() const { return largest_coordinate(of_->frame.bounds) < 0x1p+50f; }
 
   std::unique_ptr<MeshAsTree> of_;
 };
 
-TEST_P(PencilOnMesh, RaysFromAnOriginEqualTheRule) {
+TEST_P(FrustumOnMesh, RaysFromAnOriginEqualTheRule) {
   Tally tally;
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
-    const Question& question = kPencilQuestions[seed % kPencilQuestions.size()];
-    const std::vector<Ray> rays = tests::pencil_from_origin(of_->mesh, 8 + 7 * (seed % 9), seed);
+    const Question& question = kFrustumQuestions[seed % kFrustumQuestions.size()];
+    const std::vector<Ray> rays = tests::frustum_from_origin(of_->mesh, 8 + 7 * (seed % 9), seed);
     OfMesh(*of_, question).expect_exact(rays, 1, {}, tally);
     if (rays.size() <= 32) OfMesh(*of_, question).expect_exact(rays, 2, {}, tally);
   }
@@ -207,24 +207,24 @@ TEST_P(PencilOnMesh, RaysFromAnOriginEqualTheRule) {
   EXPECT_EQ(tally.done > tally.rays / 8, is_walked()) << tally.done << " of " << tally.rays;
 }
 
-TEST_P(PencilOnMesh, LimitsAndBestHitsFromAnOriginEqualTheRule) {
+TEST_P(FrustumOnMesh, LimitsAndBestHitsFromAnOriginEqualTheRule) {
   Tally tally;
   for (std::uint64_t seed = 20; seed < 32; ++seed) {
-    const OfMesh asked(*of_, kPencilQuestions[seed % kPencilQuestions.size()]);
+    const OfMesh asked(*of_, kFrustumQuestions[seed % kFrustumQuestions.size()]);
     const std::vector<Ray> rays = tests::with_limits_at_hits(
-        of_->mesh, tests::pencil_from_origin(of_->mesh, 8 + 7 * (seed % 9), seed));
+        of_->mesh, tests::frustum_from_origin(of_->mesh, 8 + 7 * (seed % 9), seed));
     asked.expect_exact(rays, 1, {}, tally);
-    if (!kPencilQuestions[seed % kPencilQuestions.size()].any)
+    if (!kFrustumQuestions[seed % kFrustumQuestions.size()].any)
       asked.expect_exact(rays, 1, asked.some_before(rays, seed), tally);
   }
   EXPECT_EQ(tally.done > 0, is_walked());
 }
 
-TEST_P(PencilOnMesh, RaysTowardAnEndEqualTheRule) {
+TEST_P(FrustumOnMesh, RaysTowardAnEndEqualTheRule) {
   Tally tally;
   for (std::uint64_t seed = 40; seed < 52; ++seed) {
     const OfMesh asked(*of_, kAny[seed % kAny.size()]);
-    std::vector<Ray> rays = tests::pencil_toward_end(of_->mesh, 8 + 7 * (seed % 9), seed);
+    std::vector<Ray> rays = tests::frustum_toward_end(of_->mesh, 8 + 7 * (seed % 9), seed);
     asked.expect_exact(rays, 1, {}, tally);
     rays = tests::with_limits_at_hits(of_->mesh, rays);
     asked.expect_exact(rays, 1, {}, tally);
@@ -232,7 +232,7 @@ TEST_P(PencilOnMesh, RaysTowardAnEndEqualTheRule) {
   EXPECT_EQ(tally.done > tally.rays / 8, is_walked()) << tally.done << " of " << tally.rays;
 }
 
-INSTANTIATE_TEST_SUITE_P(Every, PencilOnMesh,
+INSTANTIATE_TEST_SUITE_P(Every, FrustumOnMesh,
                          ::testing::Combine(tests::every_simd_target(),
                                             ::testing::Range(std::size_t{0},
                                                              tests::walk_meshes().size())),
@@ -241,10 +241,10 @@ INSTANTIATE_TEST_SUITE_P(Every, PencilOnMesh,
                                   tests::walk_meshes()[std::get<1>(test.param)].name;
                          });
 
-class Pencils : public tests::OnSimdTarget {};
-INSTANTIATE_TEST_SUITE_P(Every, Pencils, tests::every_simd_target(), tests::simd_target_name);
+class Frustums : public tests::OnSimdTarget {};
+INSTANTIATE_TEST_SUITE_P(Every, Frustums, tests::every_simd_target(), tests::simd_target_name);
 
-TEST_P(Pencils, AHitWhoseTIsTooLargeForADoubleIsNone) {
+TEST_P(Frustums, AHitWhoseTIsTooLargeForADoubleIsNone) {
   const MeshAsTree of(tests::scaled(tests::single_triangle(), 0x1p+24, 0x1p+24, 0x1p+24));
   for (const double length : {0x1p-999, 0x1p-1000}) {
     for (const bool any : {false, true}) {
@@ -258,7 +258,7 @@ TEST_P(Pencils, AHitWhoseTIsTooLargeForADoubleIsNone) {
 }
 
 // The end lies in a disc, where few doubles tell the rays' ends apart.
-TEST_P(Pencils, TheLongestRaysTowardAnEndEqualTheRule) {
+TEST_P(Frustums, TheLongestRaysTowardAnEndEqualTheRule) {
   const MeshAsTree of(tests::fan(64));
   Tally tally;
   for (const double far : {0x1p+10, 0x1p+30, 0x1p+45, 0x1p+60, 0x1p+120, 0x1p+180, 0x1p+240}) {

@@ -1,9 +1,9 @@
-// What a packet keeps of the verdicts on one triangle.
-#if defined(SIGHTLINE_WIDE_KEEP_INL) == defined(HWY_TARGET_TOGGLE)
-#ifdef SIGHTLINE_WIDE_KEEP_INL
-#undef SIGHTLINE_WIDE_KEEP_INL
+// What a packet remembers of the verdicts on one triangle: hits, and candidates for the exact rule.
+#if defined(SIGHTLINE_WIDE_CANDIDATES_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef SIGHTLINE_WIDE_CANDIDATES_INL
+#undef SIGHTLINE_WIDE_CANDIDATES_INL
 #else
-#define SIGHTLINE_WIDE_KEEP_INL
+#define SIGHTLINE_WIDE_CANDIDATES_INL
 #endif
 
 #include <array>
@@ -49,9 +49,9 @@ HWY_INLINE bool offer_every(Packet& packet, const std::uint32_t* words, std::uin
   return decide_lanes(packet, verdict.possible & ~counted, words, triangle);
 }
 
-/// Remembers pairs that may be nearest hits. Returns whether some ray has a nearer certain hit now.
-HWY_INLINE bool keep(Packet& packet, const std::uint32_t* words, std::uint32_t triangle,
-                     const Verdict& verdict) {
+/// Adds pairs that may be nearest hits. Returns whether some ray has a nearer certain hit now.
+HWY_INLINE bool add_candidates(Packet& packet, const std::uint32_t* words, std::uint32_t triangle,
+                               const Verdict& verdict) {
   FloatRays& rays = packet.floats;
   Candidates& all = packet.candidates;
   const Floats low = verdict.depth - verdict.off, high = verdict.depth + verdict.off,

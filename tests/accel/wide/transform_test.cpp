@@ -1,5 +1,5 @@
-// Packets are carried into frames as single rays are, bit for bit.
-#include "accel/wide/carry.h"
+// Packets are transformed into frames as single rays are, bit for bit.
+#include "accel/wide/transform.h"
 
 #include <bit>
 #include <cmath>
@@ -20,8 +20,8 @@ using geometry::Ray;
 using geometry::Vec3d;
 using tests::Random;
 
-class Carry : public tests::OnSimdTarget {};
-INSTANTIATE_TEST_SUITE_P(Every, Carry, tests::every_simd_target(), tests::simd_target_name);
+class Transform : public tests::OnSimdTarget {};
+INSTANTIATE_TEST_SUITE_P(Every, Transform, tests::every_simd_target(), tests::simd_target_name);
 
 std::uint64_t bits(double x) { return std::bit_cast<std::uint64_t>(x); }
 
@@ -126,7 +126,7 @@ void expect_equal(const Rays& rays, std::uint32_t good, std::size_t lane, const 
 
 std::uint32_t first_lanes(std::size_t count) { return (2u << (count - 1)) - 1; }
 
-TEST_P(Carry, ReadsRaysInColumnsAndRepeatsTheLast) {
+TEST_P(Transform, ReadsRaysInColumnsAndRepeatsTheLast) {
   Random random(1);
   const auto given = std::make_unique<GivenRays>();
   for (std::size_t turn = 0; turn < 200; ++turn) {
@@ -144,22 +144,22 @@ TEST_P(Carry, ReadsRaysInColumnsAndRepeatsTheLast) {
   }
 }
 
-TEST_P(Carry, RaysInAFrameEqualSingleOnes) {
+TEST_P(Transform, RaysInAFrameEqualSingleOnes) {
   Random random(2);
   const auto given = std::make_unique<GivenRays>();
-  const auto carried = std::make_unique<Rays>();
+  const auto transformed_rays = std::make_unique<Rays>();
   Counts counts;
   for (std::size_t turn = 0; turn < 400; ++turn) {
     const std::vector<Ray> rays = hard_rays(random, 1 + turn % kLanes);
     const std::uint32_t lanes = first_lanes(rays.size());
     read(rays, *given);
     for (const Matrix& matrix : matrices(random)) {
-      const std::uint32_t good = carry(*given, matrix, lanes, *carried);
+      const std::uint32_t good = transform(*given, matrix, lanes, *transformed_rays);
       ASSERT_EQ(good & ~lanes, 0u);
       for (std::size_t lane = 0; lane < rays.size(); ++lane) {
-        ASSERT_NO_FATAL_FAILURE(
-            expect_equal(*carried, good, lane, transformed(matrix, rays[lane].origin, true),
-                         transformed(matrix, rays[lane].direction, false), counts));
+        ASSERT_NO_FATAL_FAILURE(expect_equal(
+            *transformed_rays, good, lane, transformed(matrix, rays[lane].origin, true),
+            transformed(matrix, rays[lane].direction, false), counts));
       }
     }
   }
@@ -167,7 +167,7 @@ TEST_P(Carry, RaysInAFrameEqualSingleOnes) {
   EXPECT_GT(counts.refused, 1000u);
 }
 
-TEST_P(Carry, RaysAroundACenterEqualSingleOnes) {
+TEST_P(Transform, RaysAroundACenterEqualSingleOnes) {
   Random random(3);
   const auto given = std::make_unique<GivenRays>();
   const auto centered = std::make_unique<Rays>();
@@ -196,15 +196,15 @@ TEST_P(Carry, RaysAroundACenterEqualSingleOnes) {
   EXPECT_GT(limits.refused, 100u);
 }
 
-TEST_P(Carry, LimitsStayTheSame) {
+TEST_P(Transform, LimitsStayTheSame) {
   Random random(4);
   const auto given = std::make_unique<GivenRays>();
-  const auto carried = std::make_unique<Rays>(), centered = std::make_unique<Rays>();
+  const auto transformed_rays = std::make_unique<Rays>(), centered = std::make_unique<Rays>();
   const std::vector<Ray> rays = hard_rays(random, kLanes);
   read(rays, *given);
-  carry(*given, matrices(random).back(), first_lanes(kLanes), *carried);
+  transform(*given, matrices(random).back(), first_lanes(kLanes), *transformed_rays);
   center(*given, {1, 2, 3}, first_lanes(kLanes), *centered);
-  for (const Rays* out : {carried.get(), centered.get()}) {
+  for (const Rays* out : {transformed_rays.get(), centered.get()}) {
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       EXPECT_EQ(bits(out->tmin[lane]), bits(rays[lane].tmin));
       EXPECT_EQ(bits(out->tmax[lane]), bits(rays[lane].tmax));
@@ -212,7 +212,7 @@ TEST_P(Carry, LimitsStayTheSame) {
   }
 }
 
-TEST_P(Carry, OnlyTheLanesThatAreAskedFor) {
+TEST_P(Transform, OnlyTheLanesThatAreAskedFor) {
   const std::vector<Ray> rays(kLanes, Ray{{1, 2, 3}, {4, 5, 6}});
   const auto given = std::make_unique<GivenRays>();
   const auto out = std::make_unique<Rays>();
@@ -220,12 +220,12 @@ TEST_P(Carry, OnlyTheLanesThatAreAskedFor) {
   const Matrix same{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
   for (const std::uint32_t lanes : {0u, 1u, 0x8000u, 0x5a5au}) {
     EXPECT_EQ(valid(*given, {}, lanes), lanes);
-    EXPECT_EQ(carry(*given, same, lanes, *out), lanes);
+    EXPECT_EQ(transform(*given, same, lanes, *out), lanes);
     EXPECT_EQ(center(*given, {}, lanes, *out), lanes);
   }
 }
 
-TEST_P(Carry, EveryKindOfBadComponentIsRefused) {
+TEST_P(Transform, EveryKindOfBadComponentIsRefused) {
   const auto given = std::make_unique<GivenRays>();
   const double nan = std::nan("");
   for (std::size_t number = 0; number < 8; ++number) {

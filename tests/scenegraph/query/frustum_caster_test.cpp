@@ -1,5 +1,5 @@
-// Rays that go as pencils through a revision of one instance are answered as rays one by one.
-#include "scenegraph/query/pencil_caster.h"
+// Rays that go as frustums through a revision of one instance are answered as rays one by one.
+#include "scenegraph/query/frustum_caster.h"
 
 #include <gtest/gtest.h>
 
@@ -43,8 +43,9 @@ std::shared_ptr<const revision::Snapshot> scene_of(const model::Affine& where) {
   return scene.snapshot();
 }
 
-/// Of a camera that looks at the scene, in several blocks; or toward it from all around.
-std::vector<Ray> pencil(const revision::Snapshot& snapshot, std::uint64_t seed, bool toward) {
+/// The rays of a camera that looks at the scene, in several blocks, or rays toward it from all
+/// around.
+std::vector<Ray> frustum(const revision::Snapshot& snapshot, std::uint64_t seed, bool toward) {
   tests::Random random(seed);
   const revision::WorldBounds& b = snapshot.bounds();
   const Vec3d size = b.hi - b.lo, middle = b.lo + size * 0.5;
@@ -64,8 +65,8 @@ std::vector<Ray> disturbed(std::vector<Ray> rays) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < rays.size(); ++i) {
     Ray& ray = rays[i];
-    // Every other block of a pencil stays as it is.
-    if (i / kPencilRays % 2 == 0 || random.below(8) != 0) continue;
+    // Every other block of a frustum stays as it is.
+    if (i / kFrustumRays % 2 == 0 || random.below(8) != 0) continue;
     const std::size_t kind = random.below(12);
     if (kind == 0) ray.mask = 0;
     if (kind == 1) ray.mask = 2;
@@ -106,15 +107,15 @@ std::size_t expect_one_by_one(const revision::Snapshot& snapshot, const std::vec
   return hits;
 }
 
-/// How many of the first packets a pencil answers.
+/// How many of the first packets a frustum answers.
 int answered(const revision::Snapshot& snapshot, const std::vector<Ray>& rays,
              const TraceOptions& options) {
-  std::vector<Hit> hits(kPencilRays);
+  std::vector<Hit> hits(kFrustumRays);
   const auto given = accel::geometry::columns_of(std::span(rays));
   const auto found = accel::geometry::columns_of(std::span(hits));
   accel::kdtree::EpochPin pin;
-  const auto caster = std::make_unique<PencilCaster>(pin, snapshot.trees(), options, given, found);
-  return std::popcount(caster->cast(0, kPencilRays));
+  const auto caster = std::make_unique<FrustumCaster>(pin, snapshot.trees(), options, given, found);
+  return std::popcount(caster->cast(0, kFrustumRays));
 }
 
 TraceOptions options_of(QueryKind kind, Culling culling = Culling::kNone) {
@@ -125,14 +126,14 @@ TraceOptions options_of(QueryKind kind, Culling culling = Culling::kNone) {
   return options;
 }
 
-TEST(PencilCaster, AnswersAsRaysOneByOne) {
+TEST(FrustumCaster, AnswersAsRaysOneByOne) {
   for (const model::Affine& where : {model::Affine{}, kScaledAndSheared, kMirrored}) {
     const auto snapshot = scene_of(where);
     for (const QueryKind kind : {QueryKind::kClosest, QueryKind::kAny}) {
       for (const Culling culling : {Culling::kNone, Culling::kBack, Culling::kFront}) {
         const TraceOptions options = options_of(kind, culling);
         for (const bool toward : {false, true}) {
-          const std::vector<Ray> rays = pencil(*snapshot, 3, toward);
+          const std::vector<Ray> rays = frustum(*snapshot, 3, toward);
           EXPECT_GT(expect_one_by_one(*snapshot, rays, options), 100u);
           expect_one_by_one(*snapshot, disturbed(rays), options);
         }
@@ -141,11 +142,11 @@ TEST(PencilCaster, AnswersAsRaysOneByOne) {
   }
 }
 
-// So that the test above is one of pencils.
-TEST(PencilCaster, IsWhatSuchRaysGoThrough) {
+// So that the test above is one of frustums.
+TEST(FrustumCaster, IsWhatSuchRaysGoThrough) {
   const auto snapshot = scene_of(model::Affine{});
   // Far away, so that the directions have one main axis.
-  const std::vector<Ray> rays(kPencilRays, Ray{{0.5, 0.5, 9}, {0.01, 0.02, -1}});
+  const std::vector<Ray> rays(kFrustumRays, Ray{{0.5, 0.5, 9}, {0.01, 0.02, -1}});
   std::vector<Hit> hits(rays.size());
   for (const QueryKind kind : {QueryKind::kClosest, QueryKind::kAny}) {
     EXPECT_EQ(answered(*scene_of(model::Affine{}), rays, options_of(kind)), 0) << "not grown";
@@ -154,11 +155,11 @@ TEST(PencilCaster, IsWhatSuchRaysGoThrough) {
   }
 }
 
-TEST(PencilCaster, SelectionsAndRemovedNodesAreNotSeen) {
+TEST(FrustumCaster, SelectionsAndRemovedNodesAreNotSeen) {
   Scene scene;
   ASSERT_TRUE(scene.apply({one_mesh(model::Affine{})}));
   const auto before = scene.snapshot();
-  const std::vector<Ray> rays = pencil(*before, 5, false);
+  const std::vector<Ray> rays = frustum(*before, 5, false);
   TraceOptions options = options_of(QueryKind::kClosest);
   const std::size_t hits = expect_one_by_one(*before, rays, options);
   for (const bool excluded : {false, true}) {
@@ -174,11 +175,11 @@ TEST(PencilCaster, SelectionsAndRemovedNodesAreNotSeen) {
 }
 
 // Removed nodes are numbered among static ones.
-TEST(PencilCaster, AMovedInstanceIsSeenWhereAStaticNodeIsRemoved) {
+TEST(FrustumCaster, AMovedInstanceIsSeenWhereAStaticNodeIsRemoved) {
   Scene scene;
   ASSERT_TRUE(scene.apply(
       {one_mesh(model::Affine{}, model::Mobility::kRigid), tests::put_node(-2, 0, nullptr)}));
-  const std::vector<Ray> rays = pencil(*scene.snapshot(), 5, false);
+  const std::vector<Ray> rays = frustum(*scene.snapshot(), 5, false);
   const TraceOptions options = options_of(QueryKind::kClosest);
   const std::size_t hits = expect_one_by_one(*scene.snapshot(), rays, options);
   EXPECT_GT(hits, 100u);

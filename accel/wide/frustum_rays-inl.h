@@ -1,10 +1,10 @@
-// The rays of a pencil as slopes over its main axis. docs/hit_rule.md, section 8, derives the
+// The rays of a frustum as slopes over its main axis. docs/hit_rule.md, section 8, derives the
 // constants.
-#if defined(SIGHTLINE_WIDE_PENCIL_RAYS_INL) == defined(HWY_TARGET_TOGGLE)
-#ifdef SIGHTLINE_WIDE_PENCIL_RAYS_INL
-#undef SIGHTLINE_WIDE_PENCIL_RAYS_INL
+#if defined(SIGHTLINE_WIDE_FRUSTUM_RAYS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef SIGHTLINE_WIDE_FRUSTUM_RAYS_INL
+#undef SIGHTLINE_WIDE_FRUSTUM_RAYS_INL
 #else
-#define SIGHTLINE_WIDE_PENCIL_RAYS_INL
+#define SIGHTLINE_WIDE_FRUSTUM_RAYS_INL
 #endif
 
 #include <algorithm>
@@ -17,21 +17,21 @@
 
 #include "accel/wide/float_rays.h"
 #include "accel/wide/frame.h"
-#include "accel/wide/pencil.h"
+#include "accel/wide/frustum.h"
 #include "accel/wide/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sightline::accel::wide {
 namespace HWY_NAMESPACE {
 
-/// Slopes of a pencil are at most this.
+/// Slopes of a frustum are at most this.
 constexpr double kLargestSlope = 2;
 /// Points, trees and rays with larger coordinates would overflow products.
-constexpr double kLargestPencil = 0x1p+50;
+constexpr double kLargestFrustum = 0x1p+50;
 /// Ends of rays that are closer to each other, relative to the rays' size, are one point.
 constexpr double kOneEnd = 0x1p-23;
 
-/// What the rays of a pencil share. Axes are in the order that ends with the main axis, which is
+/// What the rays of a frustum share. Axes are in the order that ends with the main axis, which is
 /// turned so that the rays go from the point along it.
 struct Point {
   std::array<std::size_t, 3> axis;  ///< The axes, the main axis last.
@@ -47,11 +47,11 @@ struct Point {
   std::array<double, 2> slope;
 };
 
-/// A pencil's first ray.
+/// A frustum's first ray.
 struct FirstRay {
   std::size_t packet, lane;
 
-  explicit FirstRay(const PencilLanes& lanes) {
+  explicit FirstRay(const FrustumLanes& lanes) {
     packet = 0;
     while (lanes[packet] == 0) ++packet;
     lane = static_cast<std::size_t>(std::countr_zero(lanes[packet]));
@@ -68,13 +68,13 @@ HWY_INLINE Doubles inverse_of_power(const Doubles& x) {
   });
 }
 
-class PencilRays {
+class FrustumRays {
  public:
-  /// The rays in `lanes` are reduced to a pencil.
-  HWY_INLINE PencilRays(std::span<Packet> packets, const Frame& frame, PencilLanes& lanes)
+  /// The rays in `lanes` are reduced to a frustum.
+  HWY_INLINE FrustumRays(std::span<Packet> packets, const Frame& frame, FrustumLanes& lanes)
       : packets_(packets), frame_(frame), lanes_(lanes) {}
 
-  /// Keeps rays with one origin; returns whether they are a pencil.
+  /// Keeps rays with one origin; returns whether they are a frustum.
   HWY_INLINE bool from_origin() {
     if (!is_left()) return false;
     const FirstRay first(lanes_);
@@ -94,7 +94,7 @@ class PencilRays {
     return is_left() && set_point(origin, 0, false);
   }
 
-  /// Keeps rays with one end; returns whether they are a pencil.
+  /// Keeps rays with one end; returns whether they are a frustum.
   HWY_INLINE bool toward_end() {
     if (!is_left()) return false;
     const FirstRay first(lanes_);
@@ -216,7 +216,7 @@ class PencilRays {
       lanes_[p] &= (along > Doubles::set(0)) & (abs(d[point.axis[0]]) <= most) &
                    (abs(d[point.axis[1]]) <= most);
     }
-    return std::max(size, point.reach) <= kLargestPencil;
+    return std::max(size, point.reach) <= kLargestFrustum;
   }
 
   /// Sets the limits of depth, counted from the point.
@@ -271,7 +271,7 @@ class PencilRays {
 
   std::span<Packet> packets_;
   const Frame& frame_;
-  PencilLanes& lanes_;
+  FrustumLanes& lanes_;
 };
 
 }  // namespace HWY_NAMESPACE

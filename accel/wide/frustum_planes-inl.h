@@ -1,10 +1,10 @@
-// The triangles of a block as a pencil sees them: planes through the point and each edge.
+// The triangles of a block as a frustum sees them: planes through the point and each edge.
 // docs/hit_rule.md, section 8, derives the constants.
-#if defined(SIGHTLINE_WIDE_PENCIL_PLANES_INL) == defined(HWY_TARGET_TOGGLE)
-#ifdef SIGHTLINE_WIDE_PENCIL_PLANES_INL
-#undef SIGHTLINE_WIDE_PENCIL_PLANES_INL
+#if defined(SIGHTLINE_WIDE_FRUSTUM_PLANES_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef SIGHTLINE_WIDE_FRUSTUM_PLANES_INL
+#undef SIGHTLINE_WIDE_FRUSTUM_PLANES_INL
 #else
-#define SIGHTLINE_WIDE_PENCIL_PLANES_INL
+#define SIGHTLINE_WIDE_FRUSTUM_PLANES_INL
 #endif
 
 #include <algorithm>
@@ -14,16 +14,16 @@
 #include <cstdint>
 
 #include "accel/blocks/block.h"
-#include "accel/wide/pencil_rays-inl.h"
+#include "accel/wide/frustum_rays-inl.h"
 #include "accel/wide/single-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sightline::accel::wide {
 namespace HWY_NAMESPACE {
 
-class PencilPlanes {
+class FrustumPlanes {
  public:
-  HWY_INLINE explicit PencilPlanes(const PencilRays& rays) : point_(rays.point) {
+  HWY_INLINE explicit FrustumPlanes(const FrustumRays& rays) : point_(rays.point) {
     float widest = 0x1p-20f;
     for (std::size_t k = 0; k < 2; ++k) {
       lo_[k] = Floats::set(rays.spread_lo[k]);
