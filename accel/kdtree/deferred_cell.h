@@ -18,11 +18,12 @@ namespace sightline::accel::kdtree {
 /// The bytes of a tree's cells, lists and finished subtrees. Cells share it with their tree,
 /// because retired ones may outlive it.
 struct ListBytes {
-  std::atomic<std::uint64_t> deferred{0};  ///< Deferred cells with their lists.
+  std::atomic<std::uint64_t> deferred{0};  ///< Deferred cells that are published, with their lists.
   /// The part of `deferred` that is DeferredCell::left_over.
   std::atomic<std::uint64_t> left_over{0};
-  std::atomic<std::uint64_t> retired{0};   ///< Retired cells that are not freed yet.
-  std::atomic<std::uint64_t> growing{0};   ///< Lists and blocks of subtrees that are being built.
+  std::atomic<std::uint64_t> retired{0};  ///< Retired cells that are not freed yet.
+  /// Lists and blocks of subtrees that are being built, and cells that are not published yet.
+  std::atomic<std::uint64_t> growing{0};
   std::atomic<std::uint64_t> finished{0};  ///< Finished subtrees.
   /// Counts these bytes with those of other trees; null if they are not counted there.
   std::shared_ptr<TreeMemory> memory{};
@@ -30,8 +31,8 @@ struct ListBytes {
   void add(TreeBytes kind, std::uint64_t bytes) const {
     if (memory != nullptr) memory->add(kind, bytes);
   }
-  void retire(TreeBytes kind, std::uint64_t bytes) const {
-    if (memory != nullptr) memory->move(kind, TreeBytes::kRetired, bytes);
+  void move(TreeBytes from, TreeBytes to, std::uint64_t bytes) const {
+    if (memory != nullptr) memory->move(from, to, bytes);
   }
   void free_retired(std::uint64_t bytes) const { add(TreeBytes::kRetired, 0 - bytes); }
 };

@@ -47,14 +47,6 @@ class CellTask final : public kdtree::RefCounted {
   /// Whether a query wants the cell now.
   bool is_wanted() const { return wanted_.load(std::memory_order_relaxed) > 0; }
 
-  /// What the first thread that is through the passes says, for all of them: whether the new cells
-  /// may wait. Those of a second thread, which are given up, would count beside the first one's.
-  bool decide(bool may_wait) {
-    Decision expected = Decision::kOpen;
-    const Decision mine = may_wait ? Decision::kWait : Decision::kWhole;
-    return (decision_.compare_exchange_strong(expected, mine) ? mine : expected) == Decision::kWait;
-  }
-
   /// Increases whenever a slice is done.
   std::uint64_t progress() const;
 
@@ -70,8 +62,6 @@ class CellTask final : public kdtree::RefCounted {
   std::atomic<SharedPass*> first_{nullptr};
   std::atomic<std::uint64_t> touches_{0}, touches_prepare_{0};
   std::atomic<int> wanted_{0};
-  enum class Decision : std::uint8_t { kOpen, kWait, kWhole };
-  std::atomic<Decision> decision_{Decision::kOpen};
 };
 
 /// One thread's position in the chain of passes.

@@ -109,17 +109,10 @@ std::uint64_t LazyTree::evict(const Evictable& piece) {
   }
   const std::uint64_t after = cell->size_in_bytes();
   const kdtree::Slot evicted = tree_.defer(std::move(cell));
-  std::uint64_t expected = now.bits();
-  if (!piece.slot->compare_exchange_strong(expected, evicted.bits(), std::memory_order_acq_rel)) {
-    tree_.discard(evicted);
-    return 0;
-  }
+  if (!tree_.replace(*piece.slot, now, evicted)) return 0;
   if (now.is_finished()) {
     evicted_.fetch_add(1, std::memory_order_acq_rel);
     complete_.store(false, std::memory_order_release);
-    tree_.retire_subtree(*now.finished());
-  } else {
-    tree_.retire_cell(*now.cell());
   }
   return before - std::min(before, after);
 }

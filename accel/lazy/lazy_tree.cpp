@@ -2,7 +2,6 @@
 #include "accel/lazy/lazy_tree.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <memory>
 #include <new>
@@ -136,8 +135,7 @@ void LazyTree::release_claim(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cel
 /// Called by one thread only: the one that claimed the cell.
 void LazyTree::publish(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, kdtree::Slot built,
                        kdtree::BuildCounters& counters) {
-  slot.store(built.bits(), std::memory_order_release);
-  tree_.retire_cell(cell);
+  tree_.replace(slot, kdtree::Slot::expanding(&cell), built);
   count(slot, built, counters);
 }
 
@@ -213,20 +211,16 @@ ExpandResult LazyTree::run_all_passes(kdtree::AtomicSlot& slot, kdtree::Deferred
   Division division =
       divide_long(context_, cell, PassSequence(task, counters, cancelled), counters);
   heed_capacity(division);
-  if (!task.decide(may_wait(division, cell))) {
+  if (!may_wait(division, cell)) {
     mark_whole(slot, cell);
     return ExpandResult::kRetry;
   }
   if (kdtree::load(slot) != kdtree::Slot::deferred(&cell)) return ExpandResult::kRetry;
   if (!division.compact) growing.shrink(0);  // the new cells count them
   const kdtree::Slot built = make_slot(std::move(division), cell);
-  std::uint64_t expected = kdtree::Slot::deferred(&cell).bits();
-  if (slot.compare_exchange_strong(expected, built.bits(), std::memory_order_acq_rel)) {
+  if (tree_.replace(slot, kdtree::Slot::deferred(&cell), built)) {
     counters += task.take_counters();
-    tree_.retire_cell(cell);
     count(slot, built, counters);
-  } else {
-    tree_.discard(built);
   }
   return ExpandResult::kRetry;
 }
@@ -261,19 +255,14 @@ kdtree::Slot LazyTree::make_node(Division& division) {
   assert(division.cells.size() <= kdtree::kWidth);
   // A pass over the lists pays where rays meet many boxes at once.
   const bool is_wide = division.cells.size() > 2;
-  // Before any cell counts as waiting: other threads may be making the same ones.
-  std::array<geometry::Aabb, kdtree::kWidth> boxes;
-  for (std::size_t i = 0; i < division.cells.size(); ++i) {
-    const NewCell& cell = division.cells[i];
-    boxes[i] = in_frame(frame_, is_wide ? bounds_in(cell.box, cell.part.list) : cell.box);
-  }
   kdtree::WideNode* const node = tree_.make_node();
   std::size_t children = 0;
   try {
-    for (std::size_t i = 0; i < division.cells.size(); ++i) {
-      const kdtree::Slot slot = defer(std::move(division.cells[i]), division.compact);
+    for (NewCell& cell : division.cells) {
+      const geometry::Aabb box = is_wide ? bounds_in(cell.box, cell.part.list) : cell.box;
+      const kdtree::Slot slot = defer(std::move(cell), division.compact);
       if (slot == kdtree::Slot::empty_list()) continue;
-      node->set_box(children, boxes[i]);
+      node->set_box(children, in_frame(frame_, box));
       node->children[children++].store(slot.bits(), std::memory_order_relaxed);
     }
   } catch (const std::bad_alloc&) {

@@ -119,12 +119,7 @@ void LazyTree::mark_whole(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell) 
   fresh->spent = cell.spent.load(std::memory_order_relaxed);
   if (fresh->has_list) fresh->list = kdtree::CellList(cell.list.sliced());
   const kdtree::Slot marked = tree_.defer(std::move(fresh));
-  std::uint64_t expected = kdtree::Slot::deferred(&cell).bits();
-  if (slot.compare_exchange_strong(expected, marked.bits(), std::memory_order_acq_rel)) {
-    tree_.retire_cell(cell);
-  } else {
-    tree_.discard(marked);
-  }
+  tree_.replace(slot, kdtree::Slot::deferred(&cell), marked);
 }
 
 }  // namespace sightline::accel::lazy
