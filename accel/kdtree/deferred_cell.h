@@ -44,7 +44,7 @@ struct alignas(16) DeferredCell : Retirable {
   DeferredCell(const DeferredCell&) = delete;
   DeferredCell& operator=(const DeferredCell&) = delete;
   ~DeferredCell() {
-    if (RefCounted* work = task.load(std::memory_order_acquire)) work->leave();
+    if (RefCounted* shared = passes.load(std::memory_order_acquire)) shared->leave();
   }
 
   geometry::Aabb box;
@@ -67,12 +67,25 @@ struct alignas(16) DeferredCell : Retirable {
   /// on.
   mutable std::atomic<std::uint64_t> spent{0};
   LastUse last_use;  ///< The last search of the list.
-  /// Set once a thread has begun to expand a large cell: the work that threads share
-  /// (accel/lazy/cell_task.h).
-  std::atomic<RefCounted*> task{nullptr};
+  /// Set once a thread has begun to expand a large cell: the passes that threads share
+  /// (accel/lazy/passes.h).
+  std::atomic<RefCounted*> passes{nullptr};
   std::shared_ptr<ListBytes> account;  ///< The bytes of its tree.
 
   std::uint64_t size_in_bytes() const { return sizeof(DeferredCell) + list.bytes(); }
 };
+
+/// The same references at the same place, and what rays have spent on them. Throws std::bad_alloc.
+inline std::unique_ptr<DeferredCell> copy_without_list(const DeferredCell& cell) {
+  auto copy = std::make_unique<DeferredCell>();
+  copy->box = cell.box;
+  copy->path = cell.path;
+  copy->openable = cell.openable;
+  copy->left_over = cell.left_over;
+  copy->size = cell.size;
+  copy->weight = cell.weight;
+  copy->spent = cell.spent.load(std::memory_order_relaxed);
+  return copy;
+}
 
 }  // namespace sightline::accel::kdtree

@@ -44,7 +44,9 @@ TEST(LazyTree, ADivisionFillsANodeWithTheBoxesOfWhatIsInItsCells) {
     ASSERT_TRUE(root.node()->child(i).is_deferred()) << i;
     const kdtree::DeferredCell& cell = *root.node()->child(i).cell();
     geometry::Aabb box;
-    for (const kdtree::Reference& ref : cell.list.whole()) box.grow(ref.bounds());
+    cell.list.each_part(0, [&](std::span<const kdtree::Reference> part) {
+      for (const kdtree::Reference& ref : part) box.grow(ref.bounds());
+    });
     for (std::size_t axis = 0; axis < 3; ++axis) {
       box.lo[axis] = std::max(box.lo[axis], cell.box.lo[axis]);
       box.hi[axis] = std::min(box.hi[axis], cell.box.hi[axis]);
