@@ -86,54 +86,54 @@ void Expansion::publish(DeferredCell& cell, kdtree::Slot next) {
   counters_.trees_begun += is_root ? 1 : 0;
 }
 
-ExpandResult Expansion::expand(WhenPending when_pending) {
+AtCell Expansion::expand(WhenPending when_pending) {
   const kdtree::Slot now = kdtree::load(slot_);
-  if (!now.is_deferred()) return ExpandResult::kRetry;
+  if (!now.is_deferred()) return AtCell::kAdvance;
   DeferredCell& cell = *now.cell();
-  if (is_set(cancelled_)) return ExpandResult::kScanList;
+  if (is_set(cancelled_)) return AtCell::kSearch;
   if (now.is_expanding()) return wait_for_owner(cell, when_pending);
   const bool at_once =
       cell.whole || (context_.is_eager(cell) && (cell.has_list || context_.makes_blocks));
   try {
     if (is_large(cell) && !at_once) return expand_shared(cell, when_pending);
     if (!claim(cell))
-      return kdtree::load(slot_) == kdtree::Slot::expanding(&cell) ? ExpandResult::kScanList
-                                                                   : ExpandResult::kRetry;
+      return kdtree::load(slot_) == kdtree::Slot::expanding(&cell) ? AtCell::kSearch
+                                                                   : AtCell::kAdvance;
     expand_claimed(cell, at_once);
-    return ExpandResult::kRetry;
+    return AtCell::kAdvance;
   } catch (const Cancelled&) {
-    return ExpandResult::kScanList;
+    return AtCell::kSearch;
   }
 }
 
 /// Another thread has claimed the cell. Searching a short list takes less time than waiting for it.
 /// A long list, claimed by a full build, is only searched if the thread makes no progress.
-ExpandResult Expansion::wait_for_owner(const DeferredCell& cell, WhenPending when_pending) {
-  if (!is_large(cell)) return ExpandResult::kScanList;
-  if (when_pending == WhenPending::kReturn) return ExpandResult::kPending;
+AtCell Expansion::wait_for_owner(const DeferredCell& cell, WhenPending when_pending) {
+  if (!is_large(cell)) return AtCell::kSearch;
+  if (when_pending == WhenPending::kReturn) return AtCell::kStop;
   for (StallDetector stall_detector; !is_set(cancelled_) && stall_detector.wait(0);) {
-    if (kdtree::load(slot_) != kdtree::Slot::expanding(&cell)) return ExpandResult::kRetry;
+    if (kdtree::load(slot_) != kdtree::Slot::expanding(&cell)) return AtCell::kAdvance;
   }
-  return ExpandResult::kScanList;
+  return AtCell::kSearch;
 }
 
 /// The first thread runs the passes to their end. Others help, and run them, too, if it seems to be
 /// stopped.
-ExpandResult Expansion::expand_shared(DeferredCell& cell, WhenPending when_pending) {
+AtCell Expansion::expand_shared(DeferredCell& cell, WhenPending when_pending) {
   passes_ = &passes_of(cell, *context_.source);
   const PassChain::Wanted wanted(*passes_);
   const auto has_changed = [&] { return kdtree::load(slot_) != kdtree::Slot::deferred(&cell); };
-  if (has_changed()) return ExpandResult::kRetry;
+  if (has_changed()) return AtCell::kAdvance;
   StallDetector stall_detector;
   while (!wanted.is_first()) {
     const bool helped = passes_->help(counters_, cancelled_);
-    if (has_changed()) return ExpandResult::kRetry;
+    if (has_changed()) return AtCell::kAdvance;
     if (helped) continue;
-    if (when_pending == WhenPending::kReturn) return ExpandResult::kPending;
+    if (when_pending == WhenPending::kReturn) return AtCell::kStop;
     if (!stall_detector.wait(passes_->progress())) break;
   }
   if (!divide_cell(cell, Passes(*passes_, counters_, cancelled_))) mark_whole(cell);
-  return ExpandResult::kRetry;
+  return AtCell::kAdvance;
 }
 
 /// The cell's own list is never written, because other threads may be searching it.
@@ -146,7 +146,7 @@ void Expansion::expand_claimed(DeferredCell& cell, bool at_once) {
   if (cell.has_list && context_.holds_all(cell) && !context_.is_eager(cell)) {
     mark_whole(cell);
   } else {
-    build_whole(cell);
+    build_claimed();
   }
 }
 
@@ -222,15 +222,21 @@ grow::GrowContext Expansion::grow_context() const {
           context_.frame, context_.max_depth, cancelled_};
 }
 
-void Expansion::build_whole(DeferredCell& cell) {
-  const CellReader reader(context_.source, cell, counters_);
-  kdtree::ReferenceList list = reader.read_all(counters_, cancelled_);
-  if (reader.openable()) list = open_all(*context_.source, std::move(list), cell.box, counters_);
-  kdtree::CellPath path = cell.path;
-  if (cell.has_list)
-    path.list_capacity -= static_cast<double>(list.size());  // the cell's own waits
-  const grow::GrowContext context = grow_context();
-  publish(cell, grow::grow(context, std::move(list), cell.box, path, counters_));
+bool Expansion::build_claimed() {
+  if (claimed_ == nullptr) return false;
+  DeferredCell& cell = *claimed_;
+  try {
+    const CellReader reader(context_.source, cell, counters_);
+    kdtree::ReferenceList list = reader.read_all(counters_, cancelled_);
+    if (reader.openable()) list = open_all(*context_.source, std::move(list), cell.box, counters_);
+    kdtree::CellPath path = cell.path;
+    if (cell.has_list)
+      path.list_capacity -= static_cast<double>(list.size());  // the cell's own waits
+    const grow::GrowContext context = grow_context();
+    publish(cell, grow::grow(context, std::move(list), cell.box, path, counters_));
+  } catch (const Cancelled&) {  // it is deferred again
+  }
+  return true;
 }
 
 void Expansion::mark_whole(DeferredCell& cell) {

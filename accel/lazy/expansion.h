@@ -11,17 +11,19 @@
 
 namespace sightline::accel::lazy {
 
-/// The answer to a ray that asks for a cell.
-enum class ExpandResult : std::uint8_t {
-  kRetry,     ///< The slot has changed: read it again.
-  kPending,   ///< Other threads expand a large cell: ask again when they have made progress.
-  kScanList,  ///< Search the cell's list: another thread expands a small cell, or there is no room
-              ///< in the memory of the trees.
+/// What rays do at a cell that is not built.
+enum class AtCell : std::uint8_t {
+  kAdvance,  ///< The slot has changed: they read it again.
+  kSearch,   ///< They search its list: another thread expands a small cell, or there is no room in
+             ///< the memory of the trees.
+  kSkip,     ///< They skip it. No answer of a tree, but of a query that wants nothing there.
+  kStop,     ///< They wait: other threads expand a large cell. They ask again when these have made
+             ///< progress (LazyTree::progress), or wait elsewhere (CellQuery::awaited).
 };
 
 /// What to do when other threads expand a large cell and no work is left to help with.
 enum class WhenPending : std::uint8_t {
-  kReturn,  ///< Return kPending.
+  kReturn,  ///< Return kStop.
   kWait,    ///< Sleep until they have made progress; if they seem to be stopped, do their work.
 };
 
@@ -39,7 +41,7 @@ inline std::uint64_t most_list_bytes(const TreeContext& context) {
 
 /// Passes over a large cell are shared by all threads that expand it. A small cell, and one whose
 /// subtree is built at once, is claimed by one thread; if it throws, the cell is deferred again.
-/// Threads: one, pinned to an epoch, but for build_whole().
+/// Threads: one, pinned to an epoch, but for build_claimed().
 class Expansion {
  public:
   /// All of these outlive it. `cancelled`: see LazyTree::expand.
@@ -51,14 +53,14 @@ class Expansion {
   Expansion& operator=(const Expansion&) = delete;
 
   /// Takes the cell a step on. Throws std::bad_alloc.
-  ExpandResult expand(WhenPending when_pending);
+  AtCell expand(WhenPending when_pending);
 
   /// Claims a cell of the slot. False if it is claimed already, or replaced.
   bool claim(kdtree::DeferredCell& cell);
   /// Builds the subtree of the claimed cell; if cancelled, a part, whose cells wait with their
-  /// lists. No pin is needed, as no other thread retires a claimed cell. Throws std::bad_alloc, and
-  /// Cancelled if it has not begun.
-  void build_whole(kdtree::DeferredCell& cell);
+  /// lists, or nothing. No pin is needed, as no other thread retires a claimed cell. Returns
+  /// whether a cell was claimed. Throws std::bad_alloc.
+  bool build_claimed();
   /// Puts a cell in the place of `cell` that will be built at once, without what passes over the
   /// list of `cell` have made. A list of everything is made again: it takes as much memory as all
   /// else.
@@ -68,8 +70,8 @@ class Expansion {
   kdtree::Slot slot_of(const kdtree::DeferredCell& cell) const;
   void release();
   void publish(kdtree::DeferredCell& cell, kdtree::Slot next);
-  ExpandResult wait_for_owner(const kdtree::DeferredCell& cell, WhenPending when_pending);
-  ExpandResult expand_shared(kdtree::DeferredCell& cell, WhenPending when_pending);
+  AtCell wait_for_owner(const kdtree::DeferredCell& cell, WhenPending when_pending);
+  AtCell expand_shared(kdtree::DeferredCell& cell, WhenPending when_pending);
   void expand_claimed(kdtree::DeferredCell& cell, bool at_once);
   bool divide_cell(kdtree::DeferredCell& cell, const Passes& passes);
   bool may_wait(const Division& division, const kdtree::DeferredCell& cell) const;

@@ -65,51 +65,38 @@ bool is_serial(const TreeContext& context, const kdtree::DeferredCell& cell,
   return !root.openable() && (!context.rule->takes_samples() || root.size() < kSampleFrom);
 }
 
-enum class Step : std::uint8_t { kBuilt, kAgain, kWait, kClaimed };
-
-/// Divides a long list, or claims a cell that one thread will build.
-Step step(TreeContext& context, kdtree::AtomicSlot& slot, Expansion& expansion,
-          kdtree::BuildCounters& counters, kdtree::DeferredCell*& claimed) {
-  const kdtree::EpochPin pin;
-  const kdtree::Slot now = kdtree::load(slot);
-  if (!now.is_deferred()) return Step::kBuilt;
-  kdtree::DeferredCell& cell = *now.cell();
+/// Divides a long list, or claims a cell that one thread will build. Returns whether the slot has
+/// changed.
+bool take_step(TreeContext& context, kdtree::DeferredCell& cell, Expansion& expansion,
+               kdtree::BuildCounters& counters) {
   if (cell.has_list && cell.weight <= kSerialBelow && context.budget() != 0 &&
       context.holds_all(cell)) {
     expansion.mark_whole(cell);
-    return Step::kAgain;
+    return true;
   }
-  if (!cell.whole && !is_serial(context, cell, counters)) {
-    const ExpandResult expanded = expansion.expand(WhenPending::kWait);
-    return expanded == ExpandResult::kScanList ? Step::kWait : Step::kAgain;
-  }
-  if (!expansion.claim(cell)) return Step::kWait;
-  claimed = &cell;
-  return Step::kClaimed;
+  if (cell.whole || is_serial(context, cell, counters)) return expansion.claim(cell);
+  return expansion.expand(WhenPending::kWait) != AtCell::kSearch;
 }
 
 }  // namespace
 
 void complete(TreeContext& context, kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
               const std::atomic<bool>* cancelled) {
-  // Pinned only for single steps: a pin for longer would keep the lists of all cells alive.
   StallDetector stall_detector;
   for (;;) {
     if (is_set(cancelled) || !context.may_build_ahead()) return;
     Expansion expansion(context, slot, counters, cancelled);
-    kdtree::DeferredCell* claimed = nullptr;
-    const Step done = step(context, slot, expansion, counters, claimed);
-    if (done == Step::kBuilt) break;
-    if (done == Step::kClaimed) {
-      try {
-        expansion.build_whole(*claimed);
-      } catch (const Cancelled&) {  // it is deferred again
-      }
-      return;
+    bool has_changed = false;
+    {
+      const kdtree::EpochPin pin;  // for one step: a longer one would keep the lists of all cells
+      const kdtree::Slot now = kdtree::load(slot);
+      if (!now.is_deferred()) break;
+      has_changed = take_step(context, *now.cell(), expansion, counters);
     }
+    if (expansion.build_claimed()) return;
     // A ray's thread has just claimed the cell. It finishes soon, or it is stopped, and then the
     // next round completes the cell.
-    if (done == Step::kWait && !stall_detector.wait(0)) return;
+    if (!has_changed && !stall_detector.wait(0)) return;
   }
   const kdtree::Slot built = kdtree::load(slot);
   if (!built.is_node()) return;

@@ -5,11 +5,11 @@
 
 namespace sightline::accel::lazy {
 
-ExpandResult LazyTree::expand(kdtree::AtomicSlot& slot, WhenPending when_pending,
-                              kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled) {
+AtCell LazyTree::expand(kdtree::AtomicSlot& slot, WhenPending when_pending,
+                        kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled) {
   const Timed timed(counters);
   const kdtree::Slot now = kdtree::load(slot);
-  if (now.is_deferred() && !context_.may_grow(*now.cell())) return ExpandResult::kScanList;
+  if (now.is_deferred() && !context_.may_grow(*now.cell())) return AtCell::kSearch;
   return Expansion(context_, slot, counters, cancelled).expand(when_pending);
 }
 

@@ -40,11 +40,11 @@ class LazyTree {
   /// small cell (TreeContext::is_eager) is built at once, and that of a cell whose lists would
   /// exceed kListBytes. Throws std::bad_alloc; a later call may succeed.
   ///
-  /// Once `cancelled` is true, a thread leaves a large cell after a slice of it, with kScanList,
-  /// and a subtree that is built at once soon. What is done remains for the next ray.
-  ExpandResult expand(kdtree::AtomicSlot& slot, WhenPending when_pending,
-                      kdtree::BuildCounters& counters,
-                      const std::atomic<bool>* cancelled = nullptr);
+  /// Once `cancelled` is true, a thread leaves a large cell after a slice of it, with
+  /// AtCell::kSearch, and a subtree that is built at once soon. What is done remains for the next
+  /// ray.
+  AtCell expand(kdtree::AtomicSlot& slot, WhenPending when_pending, kdtree::BuildCounters& counters,
+                const std::atomic<bool>* cancelled = nullptr);
 
   /// Whether its references are faces. Cells of other trees are always worth expanding: searching
   /// them would enter all that a ray meets, in any order.

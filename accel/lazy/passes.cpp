@@ -22,7 +22,7 @@ struct PassChain::Call {
   void operator()() const {
     kdtree::BuildCounters counted;
     try {
-      pass->help(counted, [this] { return !chain->is_wanted(); });
+      pass->results.help(pass->maker(counted, [this] { return !chain->is_wanted(); }));
     } catch (const std::bad_alloc&) {  // the thread that needs the slice gets the same error
     } catch (const Cancelled&) {
     }
@@ -55,7 +55,7 @@ void PassChain::call_others(SharedPass& pass) {
   // For an enqueued task oneTBB would start a thread even beyond the limit.
   const std::size_t allowed =
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-  const std::size_t calls = std::min({arena_size, allowed, pass.results().size()}) - 1;
+  const std::size_t calls = std::min({arena_size, allowed, pass.results.size()}) - 1;
   if (calls == 0) return;
   tbb::task_arena arena{tbb::task_arena::attach{}};
   for (std::size_t i = 0; i < calls; ++i) arena.enqueue(Call(this, &pass));
@@ -64,14 +64,15 @@ void PassChain::call_others(SharedPass& pass) {
 bool PassChain::help(kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled) {
   SharedPass* pass = first_.load(std::memory_order_acquire);
   for (SharedPass* s = pass; s != nullptr; s = s->next.load(std::memory_order_acquire)) pass = s;
-  return pass != nullptr && pass->help(counters, [&] { return is_set(cancelled); }) > 0;
+  return pass != nullptr &&
+         pass->results.help(pass->maker(counters, [&] { return is_set(cancelled); })) > 0;
 }
 
 std::uint64_t PassChain::progress() const {
   std::uint64_t sum = 0;
   for (SharedPass* s = first_.load(std::memory_order_acquire); s != nullptr;
        s = s->next.load(std::memory_order_acquire))
-    sum += 1 + s->results().size_done();
+    sum += 1 + s->results.size_done();
   return sum;
 }
 

@@ -42,42 +42,25 @@ struct PassSlice {
 
 /// One pass. Slices are pure functions of the cell, so several threads may do the same slice: the
 /// first result is kept. Threads: any.
-class SharedPass {
- public:
+struct SharedPass {
   /// Does one slice. Owns all that it reads. Adds its work to the counters.
   using Work = std::function<PassSlice(std::size_t slice, kdtree::BuildCounters&)>;
 
-  SharedPass(std::size_t slices, Work work) : work_(std::move(work)), results_(slices) {}
+  SharedPass(std::size_t slices, Work does) : work(std::move(does)), results(slices) {}
 
-  /// Does slices that no thread has begun, until none is left. Returns their number. Never waits.
-  /// Throws std::bad_alloc; Cancelled before a slice if stop() is true.
+  /// What makes a slice for SharedSlices. It throws std::bad_alloc, and Cancelled if stop() is
+  /// true.
   template <class Stop>
-  std::size_t help(kdtree::BuildCounters& counters, const Stop& stop) {
-    return results_.help([&](std::size_t slice) { return make(slice, counters, stop); });
-  }
-  /// Returns when all slices are done: by this thread, by others while it waits, or by this thread
-  /// after all if those seem to be stopped. Throws as help().
-  template <class Stop>
-  void complete(kdtree::BuildCounters& counters, const Stop& stop) {
-    constexpr int kStalls = 1;
-    results_.complete(kStalls, [&](std::size_t slice) { return make(slice, counters, stop); });
+  auto maker(kdtree::BuildCounters& counters, const Stop& stop) const {
+    return [this, &counters, stop](std::size_t slice) {
+      if (stop()) throw Cancelled();
+      return std::make_unique<const PassSlice>(work(slice, counters));
+    };
   }
 
-  const SharedSlices<PassSlice>& results() const { return results_; }
-
-  /// The next pass, or null.
-  std::atomic<SharedPass*> next{nullptr};
-
- private:
-  template <class Stop>
-  std::unique_ptr<const PassSlice> make(std::size_t slice, kdtree::BuildCounters& counters,
-                                        const Stop& stop) {
-    if (stop()) throw Cancelled();
-    return std::make_unique<const PassSlice>(work_(slice, counters));
-  }
-
-  Work work_;
-  SharedSlices<PassSlice> results_;
+  const Work work;
+  SharedSlices<PassSlice> results;
+  std::atomic<SharedPass*> next{nullptr};  ///< Null: there is none yet.
 };
 
 /// The passes over a large cell, each made from the results of those before. They are the same for
@@ -152,9 +135,10 @@ class Passes {
       for (std::size_t i = 0; i < slices; ++i) take(work(i, counters_));
       return;
     }
+    constexpr int kStalls = 1;
     at_ = &chain_->pass_after(at_, slices, work);
-    at_->complete(counters_, [this] { return is_set(cancelled_); });
-    for (std::size_t i = 0; i < slices; ++i) take(at_->results()[i]);
+    at_->results.complete(kStalls, at_->maker(counters_, [this] { return is_set(cancelled_); }));
+    for (std::size_t i = 0; i < slices; ++i) take(at_->results[i]);
   }
 
  private:

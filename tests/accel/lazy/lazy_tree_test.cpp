@@ -19,7 +19,7 @@ namespace {
 void touch_all(LazyTree& tree, kdtree::AtomicSlot& slot) {
   kdtree::BuildCounters counters;
   while (kdtree::load(slot).is_deferred())
-    ASSERT_EQ(tree.expand(slot, WhenPending::kWait, counters), ExpandResult::kRetry);
+    ASSERT_EQ(tree.expand(slot, WhenPending::kWait, counters), AtCell::kAdvance);
   const kdtree::Slot now = kdtree::load(slot);
   if (!now.is_node()) return;
   for (std::size_t i = 0; i < kdtree::kWidth; ++i) touch_all(tree, now.node()->slot(i));
@@ -37,7 +37,7 @@ TEST(LazyTree, ADivisionFillsANodeWithTheBoxesOfWhatIsInItsCells) {
   const kdtree::EpochPin pin;
   kdtree::BuildCounters counters;
   while (kdtree::load(tree->root()).is_deferred())
-    ASSERT_EQ(tree->expand(tree->root(), WhenPending::kWait, counters), ExpandResult::kRetry);
+    ASSERT_EQ(tree->expand(tree->root(), WhenPending::kWait, counters), AtCell::kAdvance);
   const kdtree::Slot root = kdtree::load(tree->root());
   ASSERT_TRUE(root.is_node());
   for (std::size_t i = 0; i < kdtree::kWidth; ++i) {

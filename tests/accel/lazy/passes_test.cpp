@@ -102,7 +102,7 @@ kdtree::BuildCounters descend(LazyTree& tree, const geometry::Vec3f& point) {
   for (kdtree::AtomicSlot* at = &tree.root(); at != nullptr;) {
     const kdtree::Slot slot = kdtree::load(*at);
     if (slot.is_deferred()) {
-      if (tree.expand(*at, WhenPending::kWait, counters) == ExpandResult::kScanList) break;
+      if (tree.expand(*at, WhenPending::kWait, counters) == AtCell::kSearch) break;
       continue;
     }
     at = nullptr;
@@ -181,7 +181,7 @@ TEST(Passes, ACancelledThreadLeavesAfterASliceAndTheNextOneGoesOn) {
   {
     const kdtree::EpochPin pin;
     EXPECT_EQ(tree->expand(tree->root(), WhenPending::kWait, counters, cancelled.get()),
-              ExpandResult::kScanList);
+              AtCell::kSearch);
     EXPECT_TRUE(kdtree::load(tree->root()).is_deferred());
   }
   EXPECT_EQ(*slices, 3) << "none after the one that was cancelled";
