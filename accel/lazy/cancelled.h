@@ -1,4 +1,4 @@
-// Leaving work because nobody waits for it.
+// Leaving work that no thread waits for.
 #pragma once
 
 #include <atomic>

@@ -157,7 +157,7 @@ bool Expansion::divide_cell(DeferredCell& cell, const Passes& passes) {
   const std::uint64_t bytes = cell.size * sizeof(kdtree::Reference);
   grow::GrowingBytes growing(context_.tree, is_compact || is_large(cell) ? bytes : 0);
   Division division = divide(context_, cell, passes);
-  if (is_compact && division.is_finer() && !(is_large(cell) && context_.has_room_for(bytes))) {
+  if (is_compact && division.is_finer() && !(is_large(cell) && context_.has_capacity_for(bytes))) {
     const std::unique_ptr<DeferredCell> listed = std::move(division.cells[0]);
     growing.reach(2 * bytes);
     division = divide(context_, *listed, Passes(counters_));
@@ -165,7 +165,8 @@ bool Expansion::divide_cell(DeferredCell& cell, const Passes& passes) {
   if (!may_wait(division, cell)) return false;
   if (kdtree::load(slot_) != slot_of(cell)) return true;
   // Lists that do not fit are not kept: the eviction of each would keep rays from growing the tree.
-  if (division.is_cut && context_.is_evictable() && !context_.has_room_for(list_bytes(division))) {
+  if (division.is_cut && context_.is_evictable() &&
+      !context_.has_capacity_for(list_bytes(division))) {
     for (std::unique_ptr<DeferredCell>& fresh : division.cells) {
       if (!fresh->openable && fresh->size >= kFewestToEvict)
         fresh = with_compact_list(context_, *fresh);

@@ -149,8 +149,9 @@ void LazyTree::expand_all(kdtree::BuildCounters& counters, const std::atomic<boo
       collect_deferred(context_.tree.root(), deferred);
     }
     // Evicted cells wait for rays, unless all of them fit.
-    const bool some_wait = deferred.evicted_references > 0 &&
-                           !context_.has_room_for(deferred.evicted_references * kBytesOfReference);
+    const bool some_wait =
+        deferred.evicted_references > 0 &&
+        !context_.has_capacity_for(deferred.evicted_references * kBytesOfReference);
     if (!some_wait) {
       deferred.slots.insert(deferred.slots.end(), deferred.evicted.begin(), deferred.evicted.end());
     }

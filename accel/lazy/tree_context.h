@@ -59,8 +59,8 @@ struct TreeContext {
   bool may_build_ahead() const {
     return tree.memory() == nullptr || tree.memory()->may_build_ahead();
   }
-  /// Whether these bytes fit in the memory with room to spare.
-  bool has_room_for(std::uint64_t bytes) const {
+  /// Whether these bytes fit in the memory, and some more.
+  bool has_capacity_for(std::uint64_t bytes) const {
     const kdtree::TreeMemory* const memory = tree.memory();
     return memory == nullptr || memory->held() + bytes <= memory->low_water();
   }
