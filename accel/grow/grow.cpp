@@ -261,39 +261,18 @@ int depth_limit(std::size_t references) {
   return std::min(static_cast<int>(8 + 1.3 * log2) + 20, kdtree::kMaxTreeDepth);
 }
 
-namespace {
-
-/// Grows in a cell's list, and calls free_list() when nothing reads it any more.
-template <class FreeList>
-kdtree::Slot grow_in(const GrowContext& context, std::span<kdtree::Reference> refs,
-                     const geometry::Aabb& cell, const kdtree::CellPath& path,
-                     kdtree::BuildCounters& counters, const FreeList& free_list) {
-  Subtrees finished(context);
-  Grown grown;
-  {
-    ReferenceStack lists(context.tree, refs.size(), waiting_below(refs.size(), path));
-    grown = Growth(context).grow(refs, cell, path, nullptr, {lists, finished, counters});
-  }
-  free_list();
-  return finished.compile(grown);
-}
-
-}  // namespace
-
-kdtree::Slot grow(const GrowContext& context, std::span<kdtree::Reference> refs,
-                  const geometry::Aabb& cell, const kdtree::CellPath& path,
-                  kdtree::BuildCounters& counters) {
-  return grow_in(context, refs, cell, path, counters, [] {});
-}
-
 kdtree::Slot grow(const GrowContext& context, kdtree::ReferenceList list,
                   const geometry::Aabb& cell, const kdtree::CellPath& path,
                   kdtree::BuildCounters& counters) {
-  GrowingBytes held(context.tree, list.bytes());
-  return grow_in(context, list.all(), cell, path, counters, [&] {
-    list = kdtree::ReferenceList();
-    held.shrink(0);
-  });
+  Subtrees finished(context);
+  Grown grown;
+  {
+    GrowingBytes held(context.tree, list.bytes());
+    kdtree::ReferenceList freed = std::move(list);
+    ReferenceStack lists(context.tree, freed.size(), waiting_below(freed.size(), path));
+    grown = Growth(context).grow(freed.all(), cell, path, nullptr, {lists, finished, counters});
+  }
+  return finished.compile(grown);
 }
 
 }  // namespace sightline::accel::grow

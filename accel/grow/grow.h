@@ -57,14 +57,10 @@ class GrowingBytes {
 /// of a good tree (Havran 2000), the rest allows for splits that cut off empty space.
 int depth_limit(std::size_t references);
 
-/// Grows the subtree under `cell` and returns its slot, which is not published yet. `refs` is
+/// Grows the subtree under `cell` and returns its slot, which is not published yet. `list` is
 /// overwritten: a left child's list replaces its parent's, a right child's is on a stack (Hunt et
-/// al. 2006, section 6.3.1). Large subtrees are tasks in the caller's arena. Throws std::bad_alloc.
-kdtree::Slot grow(const GrowContext& context, std::span<kdtree::Reference> refs,
-                  const geometry::Aabb& cell, const kdtree::CellPath& path,
-                  kdtree::BuildCounters& counters);
-
-/// As above; the list counts as held by the tree, and is freed before the subtree is compiled.
+/// al. 2006, section 6.3.1). It counts as held by the tree, and is freed before the subtree is
+/// compiled. Large subtrees are tasks in the caller's arena. Throws std::bad_alloc.
 kdtree::Slot grow(const GrowContext& context, kdtree::ReferenceList list,
                   const geometry::Aabb& cell, const kdtree::CellPath& path,
                   kdtree::BuildCounters& counters);

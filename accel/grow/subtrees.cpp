@@ -56,10 +56,9 @@ const blocks::Node* Subtrees::list(std::span<const kdtree::Reference> refs,
 
 Grown Subtrees::leave_over(std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,
                            const kdtree::CellPath& path) {
-  kdtree::ReferenceList list(refs.size());
-  std::copy(refs.begin(), refs.end(), list.all().begin());
   owned_.reserve(owned_.size() + 1);
-  return own(context_.tree.leave_over(std::move(list), cell, path), in_frame(context_.frame, cell));
+  return own(context_.tree.leave_over(kdtree::ReferenceList(refs), cell, path),
+             in_frame(context_.frame, cell));
 }
 
 Grown Subtrees::own(kdtree::Slot slot, const geometry::Aabb& box) {

@@ -18,11 +18,12 @@ namespace sightline::accel::kdtree {
 /// The bytes of a tree's cells, lists and finished subtrees. Cells share it with their tree,
 /// because retired ones may outlive it.
 struct ListBytes {
-  std::atomic<std::uint64_t> deferred{0};  ///< Deferred cells with their lists.
+  std::atomic<std::uint64_t> deferred{0};  ///< Deferred cells that are published, with their lists.
   /// The part of `deferred` that is DeferredCell::left_over.
   std::atomic<std::uint64_t> left_over{0};
-  std::atomic<std::uint64_t> retired{0};   ///< Retired cells that are not freed yet.
-  std::atomic<std::uint64_t> growing{0};   ///< Lists and blocks of subtrees that are being built.
+  std::atomic<std::uint64_t> retired{0};  ///< Retired cells that are not freed yet.
+  /// Lists and blocks of subtrees that are being built, and cells that are not published yet.
+  std::atomic<std::uint64_t> growing{0};
   std::atomic<std::uint64_t> finished{0};  ///< Finished subtrees.
   /// Counts these bytes with those of other trees; null if they are not counted there.
   std::shared_ptr<TreeMemory> memory{};
@@ -30,8 +31,8 @@ struct ListBytes {
   void add(TreeBytes kind, std::uint64_t bytes) const {
     if (memory != nullptr) memory->add(kind, bytes);
   }
-  void retire(TreeBytes kind, std::uint64_t bytes) const {
-    if (memory != nullptr) memory->move(kind, TreeBytes::kRetired, bytes);
+  void move(TreeBytes from, TreeBytes to, std::uint64_t bytes) const {
+    if (memory != nullptr) memory->move(from, to, bytes);
   }
   void free_retired(std::uint64_t bytes) const { add(TreeBytes::kRetired, 0 - bytes); }
 };
@@ -43,7 +44,7 @@ struct alignas(16) DeferredCell : Retirable {
   DeferredCell(const DeferredCell&) = delete;
   DeferredCell& operator=(const DeferredCell&) = delete;
   ~DeferredCell() {
-    if (RefCounted* work = task.load(std::memory_order_acquire)) work->leave();
+    if (RefCounted* shared = passes.load(std::memory_order_acquire)) shared->leave();
   }
 
   geometry::Aabb box;
@@ -66,12 +67,25 @@ struct alignas(16) DeferredCell : Retirable {
   /// on.
   mutable std::atomic<std::uint64_t> spent{0};
   LastUse last_use;  ///< The last search of the list.
-  /// Set once a thread has begun to expand a large cell: the work that threads share
-  /// (accel/lazy/cell_task.h).
-  std::atomic<RefCounted*> task{nullptr};
+  /// Set once a thread has begun to expand a large cell: the passes that threads share
+  /// (accel/lazy/passes.h).
+  std::atomic<RefCounted*> passes{nullptr};
   std::shared_ptr<ListBytes> account;  ///< The bytes of its tree.
 
   std::uint64_t size_in_bytes() const { return sizeof(DeferredCell) + list.bytes(); }
 };
+
+/// The same references at the same place, and what rays have spent on them. Throws std::bad_alloc.
+inline std::unique_ptr<DeferredCell> copy_without_list(const DeferredCell& cell) {
+  auto copy = std::make_unique<DeferredCell>();
+  copy->box = cell.box;
+  copy->path = cell.path;
+  copy->openable = cell.openable;
+  copy->left_over = cell.left_over;
+  copy->size = cell.size;
+  copy->weight = cell.weight;
+  copy->spent = cell.spent.load(std::memory_order_relaxed);
+  return copy;
+}
 
 }  // namespace sightline::accel::kdtree

@@ -25,15 +25,24 @@ void delete_subtree(Retirable* retired) {
   delete subtree;
 }
 
-/// Counts a cell that begins to wait, or no longer waits.
-void count_waiting(const DeferredCell& cell, ListBytes& lists, bool waits) {
-  const std::uint64_t bytes = waits ? cell.size_in_bytes() : -cell.size_in_bytes();  // wraps
-  lists.deferred.fetch_add(bytes, std::memory_order_relaxed);
-  lists.add(TreeBytes::kLists, bytes);
-  if (cell.left_over) lists.left_over.fetch_add(bytes, std::memory_order_relaxed);
-}
-
 }  // namespace
+
+/// The bytes of all deferred cells at and below a slot.
+struct KdTree::WaitingBytes {
+  explicit WaitingBytes(Slot slot) {
+    if (slot.is_deferred()) {
+      all = slot.cell()->size_in_bytes();
+      left_over = slot.cell()->left_over ? all : 0;
+    } else if (slot.is_node()) {
+      for (const AtomicSlot& child : slot.node()->children) {
+        const WaitingBytes below(load(child));
+        all += below.all;
+        left_over += below.left_over;
+      }
+    }
+  }
+  std::uint64_t all = 0, left_over = 0;
+};
 
 KdTree::KdTree(const geometry::Aabb& bounds, std::size_t references, const CellPath& path,
                std::shared_ptr<TreeMemory> memory)
@@ -46,9 +55,37 @@ KdTree::KdTree(const geometry::Aabb& bounds, std::size_t references, const CellP
   root->size = references;
   root->weight = references;
   root_ = defer(std::move(root)).bits();
+  count_waiting(WaitingBytes(load(root_)));
 }
 
-KdTree::~KdTree() { discard(load(root_)); }
+KdTree::~KdTree() {
+  lists_->move(TreeBytes::kLists, TreeBytes::kGrowing, WaitingBytes(load(root_)).all);
+  discard(load(root_));
+}
+
+/// The bytes are added once they are taken from those that grow, so that no peak has them twice.
+void KdTree::count_waiting(const WaitingBytes& bytes) {
+  lists_->growing.fetch_sub(bytes.all, std::memory_order_relaxed);
+  lists_->deferred.fetch_add(bytes.all, std::memory_order_relaxed);
+  lists_->left_over.fetch_add(bytes.left_over, std::memory_order_relaxed);
+  lists_->move(TreeBytes::kGrowing, TreeBytes::kLists, bytes.all);
+}
+
+bool KdTree::replace(AtomicSlot& slot, Slot expected, Slot next) {
+  const WaitingBytes waiting(next);  // other threads may replace the cells once they see them
+  std::uint64_t bits = expected.bits();
+  if (!slot.compare_exchange_strong(bits, next.bits(), std::memory_order_acq_rel)) {
+    discard(next);
+    return false;
+  }
+  count_waiting(waiting);
+  if (expected.is_deferred()) {
+    retire_cell(*expected.cell());
+  } else {
+    retire_subtree(*expected.finished());
+  }
+  return true;
+}
 
 WideNode* KdTree::make_node() {
   auto* const node = new WideNode;
@@ -65,8 +102,7 @@ void KdTree::use_nodes(std::int64_t nodes) {
 Slot KdTree::defer(std::unique_ptr<DeferredCell> cell) {
   if (cell->size == 0) return Slot::empty_list();
   cell->account = lists_;
-  count_waiting(*cell, *lists_, true);
-  update_peak();
+  add_growing(static_cast<std::int64_t>(cell->size_in_bytes()));
   return Slot::deferred(cell.release());
 }
 
@@ -92,15 +128,16 @@ Slot KdTree::finish(std::unique_ptr<FinishedSubtree> subtree) {
 void KdTree::retire_subtree(const FinishedSubtree& subtree) {
   const std::uint64_t bytes = subtree.size_in_bytes();
   lists_->finished.fetch_sub(bytes, std::memory_order_relaxed);
-  lists_->retire(TreeBytes::kSubtrees, bytes);
+  lists_->move(TreeBytes::kSubtrees, TreeBytes::kRetired, bytes);
   // The subtree belongs to this tree, which may change it.
   retire_for_walks(const_cast<FinishedSubtree&>(subtree), delete_subtree, bytes);
 }
 
 void KdTree::retire_cell(DeferredCell& cell) {
   const std::uint64_t bytes = cell.size_in_bytes();
-  count_waiting(cell, *lists_, false);
-  lists_->add(TreeBytes::kRetired, bytes);
+  lists_->deferred.fetch_sub(bytes, std::memory_order_relaxed);
+  if (cell.left_over) lists_->left_over.fetch_sub(bytes, std::memory_order_relaxed);
+  lists_->move(TreeBytes::kLists, TreeBytes::kRetired, bytes);
   const std::uint64_t retired = lists_->retired.fetch_add(bytes, std::memory_order_relaxed) + bytes;
   retire(cell, delete_cell, bytes, retired >= free_soon_from_);
 }
@@ -122,7 +159,7 @@ void KdTree::update_peak() {
 
 void KdTree::discard(Slot slot) {
   if (slot.is_deferred()) {
-    count_waiting(*slot.cell(), *lists_, false);
+    add_growing(-static_cast<std::int64_t>(slot.cell()->size_in_bytes()));
     delete slot.cell();
   } else if (slot.is_finished()) {
     lists_->finished.fetch_sub(slot.finished()->size_in_bytes(), std::memory_order_relaxed);
@@ -136,8 +173,7 @@ void KdTree::discard(Slot slot) {
 }
 
 std::uint64_t KdTree::bytes() const {
-  return lists_->deferred.load(std::memory_order_relaxed) +
-         lists_->finished.load(std::memory_order_relaxed) +
+  return deferred_bytes() + lists_->finished.load(std::memory_order_relaxed) +
          nodes_.load(std::memory_order_relaxed) * sizeof(WideNode);
 }
 

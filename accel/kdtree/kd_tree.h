@@ -38,8 +38,8 @@ class KdTree {
   /// discard() frees it. Throws std::bad_alloc. Threads: any.
   WideNode* make_node();
 
-  /// Returns the slot of a deferred cell whose list is made, or of an empty list if the cell has no
-  /// references. Threads: any.
+  /// Returns the slot of a deferred cell, or of an empty list if the cell has no references.
+  /// Threads: any.
   Slot defer(std::unique_ptr<DeferredCell> cell);
   /// Returns the slot of a cell that a cancelled build leaves (DeferredCell::left_over). Threads:
   /// any.
@@ -48,36 +48,44 @@ class KdTree {
   /// Returns the slot of a finished subtree, which belongs to the tree from now on. Threads: any.
   Slot finish(std::unique_ptr<FinishedSubtree> subtree);
 
-  /// Retires a deferred cell that no slot refers to any more. Threads: any.
-  void retire_cell(DeferredCell& cell);
-  /// Retires a finished subtree that no slot refers to any more. Walks may use it until they end,
-  /// also after EpochPin::renew_for_cells(). Threads: any.
-  void retire_subtree(const FinishedSubtree& subtree);
+  /// Publishes `next`, which no other slot leads to, in place of `expected`, a deferred cell or a
+  /// finished subtree, and retires that. Walks may use a subtree until they end, also after
+  /// EpochPin::renew_for_cells(). Deferred cells count as waiting from here on, so those that two
+  /// threads make for one slot never count twice. Returns false, and discards `next`, if the slot
+  /// no longer holds `expected`. Threads: any.
+  bool replace(AtomicSlot& slot, Slot expected, Slot next);
   /// Counts the tree's bytes with those of other trees; null if they are not counted there.
   TreeMemory* memory() const { return lists_->memory.get(); }
 
-  /// Frees all at and below a slot that was never published.
+  /// Frees all at and below a slot that was never published. Threads: any.
   void discard(Slot slot);
 
   /// Bytes of nodes, finished subtrees, and deferred cells with their lists.
   std::uint64_t bytes() const;
 
   /// Bytes of deferred cells with their lists.
-  std::uint64_t deferred_bytes() const { return lists_->deferred.load(std::memory_order_relaxed); }
+  std::uint64_t deferred_bytes() const { return at_least_0(lists_->deferred); }
   /// Bytes of finished subtrees.
   std::uint64_t finished_bytes() const { return lists_->finished.load(std::memory_order_relaxed); }
   /// Bytes of the deferred cells that cancelled builds left (DeferredCell::left_over).
-  std::uint64_t left_over_bytes() const {
-    return lists_->left_over.load(std::memory_order_relaxed);
-  }
-  /// The most bytes that the tree has held at any time: bytes(), retired cells, and the lists and
-  /// blocks of subtrees that were being built.
+  std::uint64_t left_over_bytes() const { return at_least_0(lists_->left_over); }
+  /// The most bytes that the tree has held at any time: bytes(), retired cells, and the lists,
+  /// blocks and cells that were being built.
   std::uint64_t bytes_peak() const { return peak_.load(std::memory_order_relaxed); }
   /// Adds to the bytes of lists and blocks of subtrees that are being built; negative when they are
   /// freed.
   void add_growing(std::int64_t bytes);
 
  private:
+  /// A cell may be retired before the thread that published it has counted it.
+  static std::uint64_t at_least_0(const std::atomic<std::uint64_t>& bytes) {
+    const auto now = static_cast<std::int64_t>(bytes.load(std::memory_order_relaxed));
+    return static_cast<std::uint64_t>(now > 0 ? now : 0);
+  }
+  struct WaitingBytes;
+  void count_waiting(const WaitingBytes& bytes);
+  void retire_cell(DeferredCell& cell);
+  void retire_subtree(const FinishedSubtree& subtree);
   void update_peak();
   void use_nodes(std::int64_t nodes);
 

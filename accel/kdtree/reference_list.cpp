@@ -1,14 +1,14 @@
-// Divides long lists into slices.
+// Joins pieces of lists, and divides long lists into slices.
 #include "accel/kdtree/reference_list.h"
 
 #include <cassert>
 
 namespace sightline::accel::kdtree {
 
-SlicedList::SlicedList(std::vector<Piece> pieces) : pieces_(std::move(pieces)) {
+SlicedList::SlicedList(std::vector<ReferenceList> pieces) : pieces_(std::move(pieces)) {
   std::size_t in_slice = 0;
-  for (const Piece& piece : pieces_) {
-    std::span<const Reference> rest = piece->all();
+  for (const ReferenceList& piece : std::as_const(pieces_)) {
+    std::span<const Reference> rest = piece.all();
     size_ += rest.size();
     while (!rest.empty()) {
       const std::size_t n = std::min(rest.size(), kReferencesPerSlice - in_slice);
@@ -28,10 +28,6 @@ std::span<const std::span<const Reference>> SlicedList::slice(std::size_t slice)
   return std::span(spans_).subspan(begin, slice_ends_[slice] - begin);
 }
 
-std::size_t SlicedList::slice_size(std::size_t slice) const {
-  return slice + 1 < slices() ? kReferencesPerSlice : size_ - (slices() - 1) * kReferencesPerSlice;
-}
-
 const Reference& SlicedList::operator[](std::size_t index) const {
   std::size_t before = index / kReferencesPerSlice * kReferencesPerSlice;
   for (const std::span<const Reference> part : slice(index / kReferencesPerSlice)) {
@@ -42,12 +38,28 @@ const Reference& SlicedList::operator[](std::size_t index) const {
   return spans_.back().back();
 }
 
-ReferenceList join(std::span<const std::span<const Reference>> spans, std::size_t size) {
-  ReferenceList list(size);
-  Reference* out = list.all().data();
-  for (const std::span<const Reference> part : spans)
-    out = std::copy(part.begin(), part.end(), out);
-  return list;
+CellList::CellList(ReferenceList list) {
+  if (list.size() < kLongList) {
+    short_ = std::move(list);
+  } else {
+    long_ = std::make_shared<const SlicedList>(std::vector{std::move(list)});
+  }
+}
+
+CellList::CellList(std::vector<ReferenceList> pieces) {
+  std::erase_if(pieces, [](const ReferenceList& piece) { return piece.size() == 0; });
+  std::size_t size = 0;
+  for (const ReferenceList& piece : pieces) size += piece.size();
+  if (size >= kLongList) {
+    long_ = std::make_shared<const SlicedList>(std::move(pieces));
+  } else if (pieces.size() == 1) {
+    short_ = std::move(pieces.front());
+  } else {
+    short_ = ReferenceList(size);
+    Reference* out = short_.all().data();
+    for (const ReferenceList& piece : pieces)
+      out = std::copy(piece.all().begin(), piece.all().end(), out);
+  }
 }
 
 }  // namespace sightline::accel::kdtree

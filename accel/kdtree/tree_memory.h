@@ -12,9 +12,9 @@ namespace sightline::accel::kdtree {
 /// What trees hold bytes for.
 enum class TreeBytes : std::uint8_t {
   kNodes,     ///< Nodes above finished subtrees.
-  kLists,     ///< Deferred cells with their lists.
+  kLists,     ///< Deferred cells that are published, with their lists.
   kSubtrees,  ///< Finished subtrees: wide nodes and leaf blocks.
-  kGrowing,   ///< Lists and blocks of subtrees that are being built.
+  kGrowing,   ///< Lists and blocks that are being built, and cells that are not published yet.
   kRetired,   ///< What is replaced or evicted, while a batch may still read it.
 };
 inline constexpr std::size_t kTreeBytesKinds = 5;

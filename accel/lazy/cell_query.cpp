@@ -14,17 +14,10 @@ AtCell meet(LazyTree& tree, kdtree::AtomicSlot& slot, const kdtree::DeferredCell
   }
   if (tree.searches(cell, rays, query.on_deferred == OnDeferred::kDemand, built))
     return AtCell::kSearch;
-  switch (tree.expand(slot, query.when_pending, built, query.cancelled)) {
-    case ExpandResult::kRetry:
-      query.renew_pin();
-      return AtCell::kAdvance;
-    case ExpandResult::kPending:
-      query.progress = LazyTree::progress(slot);
-      return AtCell::kStop;
-    case ExpandResult::kScanList:
-      break;
-  }
-  return AtCell::kSearch;
+  const AtCell does = tree.expand(slot, query.when_pending, built, query.cancelled);
+  if (does == AtCell::kAdvance) query.renew_pin();
+  if (does == AtCell::kStop) query.progress = LazyTree::progress(slot);
+  return does;
 }
 
 }  // namespace sightline::accel::lazy

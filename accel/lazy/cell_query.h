@@ -78,14 +78,6 @@ class OwnedTree {
   CellQuery& query_;
 };
 
-/// What rays do at a cell.
-enum class AtCell : std::uint8_t {
-  kAdvance,  ///< The slot has changed: they read it again.
-  kSearch,   ///< They search its list.
-  kSkip,     ///< They skip it.
-  kStop,     ///< They wait, here or elsewhere (CellQuery::awaited, CellQuery::progress).
-};
-
 /// Called once for the rays of a packet that meet a cell together: expands it, or helps to, where
 /// the query wants that and the tree finds that it pays. Renews the query's pin after that. Throws
 /// std::bad_alloc. Threads: any, pinned.

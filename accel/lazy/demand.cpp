@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "accel/grow/subtrees.h"
+#include "accel/lazy/cell_reader.h"
 #include "accel/lazy/demand_costs.h"
+#include "accel/lazy/full_build.h"
 #include "accel/lazy/lazy_tree.h"
 #include "accel/lazy/timed.h"
 
@@ -16,27 +18,14 @@ namespace {
 
 constexpr std::size_t kSampledReferences = 256;
 
-/// The references at a few indices of a cell's list; of the source, while there is no list.
-std::vector<kdtree::Reference> sample(const kdtree::DeferredCell& cell,
-                                      const ReferenceSource& source,
+/// The references at a few indices of a cell.
+std::vector<kdtree::Reference> sample(const CellReader& references,
                                       kdtree::BuildCounters& counters) {
-  const std::size_t size = cell.has_list ? cell.list.size() : source.coarsest(counters).slots;
-  const std::size_t stride = std::max<std::size_t>(1, size / kSampledReferences);
-  std::vector<kdtree::Reference> found;
-  found.reserve(size / stride + 1);
-  for (std::size_t i = 0; i < size; i += stride) {
-    if (cell.list.is_compact()) {
-      source.again(cell.list.ids().subspan(i, 1), &found.emplace_back(), counters);
-    } else if (!cell.has_list) {
-      kdtree::Reference ref;
-      if (source.list(i, i + 1, &ref, counters) == 1) found.push_back(ref);
-    } else {
-      const auto& sliced = cell.list.sliced();
-      found.push_back(sliced != nullptr ? (*sliced)[i] : cell.list.whole()[i]);
-      ++counters.touches;
-    }
-  }
-  return found;
+  const std::size_t size = references.size();
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < size; i += std::max<std::size_t>(1, size / kSampledReferences))
+    indices.push_back(i);
+  return references.pick(indices, counters);
 }
 
 PartShares shares_of(std::span<const kdtree::Reference> refs, const geometry::Aabb& box) {
@@ -132,23 +121,22 @@ double share_reached(std::span<const CellPassage> passages, double rays_each,
 /// expanded by the first ray that comes.
 std::uint64_t LazyTree::cost_of_expanding(const kdtree::DeferredCell& cell) const {
   // Rays that have paid for what was evicted have not paid for building it again.
-  if (cell.evicted && !is_eager(cell)) return kPathCost * cell.size;
-  if (is_eager(cell)) {
-    const bool is_mesh = cell.size == primitive_count_ || cell.evicted;
+  if (cell.evicted && !context_.is_eager(cell)) return kPathCost * cell.size;
+  if (context_.is_eager(cell)) {
+    const bool is_mesh = cell.size == context_.size || cell.evicted;
     return is_mesh ? kBlocksCost * cell.size : kRaysToFinish * cost_of_search(cell.size);
   }
   // Where all of the mesh overlaps, rays have paid for it at the root.
-  if (overlapping_.load(std::memory_order_relaxed) != Known::kYes &&
-      is_dense(cell, primitive_count_))
+  if (overlapping_.load(std::memory_order_relaxed) != Known::kYes && is_dense(cell, context_.size))
     return kDenseCost * cell.size;
-  const double share = static_cast<double>(cell.weight) / static_cast<double>(primitive_count_);
+  const double share = static_cast<double>(cell.weight) / static_cast<double>(context_.size);
   return static_cast<std::uint64_t>(static_cast<double>(kPathCost * cell.size) * share * share *
                                     share);
 }
 
 bool LazyTree::searches(const kdtree::DeferredCell& cell, std::uint64_t rays, bool by_demand,
                         kdtree::BuildCounters& counters) {
-  const bool has_capacity = may_grow(cell);
+  const bool has_capacity = context_.may_grow(cell);
   if (has_capacity && !cell.evicted && (!by_demand || !is_over_faces())) return false;
   const std::uint64_t now = rays * cost_of_search(cell.size);
   const std::uint64_t spent = cell.spent.fetch_add(now, std::memory_order_relaxed) + now;
@@ -157,7 +145,7 @@ bool LazyTree::searches(const kdtree::DeferredCell& cell, std::uint64_t rays, bo
 
 bool LazyTree::searches_hierarchy(const kdtree::DeferredCell& cell) const {
   return is_hierarchy(cell) &&
-         cell.spent.load(std::memory_order_relaxed) < kFinishCost * source_.known();
+         cell.spent.load(std::memory_order_relaxed) < kFinishCost * context_.source->known();
 }
 
 bool LazyTree::pays(const kdtree::DeferredCell& cell, double rays,
@@ -165,7 +153,7 @@ bool LazyTree::pays(const kdtree::DeferredCell& cell, double rays,
   const double now = rays * static_cast<double>(cost_of_search(cell.size));
   const std::uint64_t spent =
       cell.spent.load(std::memory_order_relaxed) + static_cast<std::uint64_t>(now);
-  return may_grow(cell) && pays_for(cell, spent, counters);
+  return context_.may_grow(cell) && pays_for(cell, spent, counters);
 }
 
 /// A mesh whose triangles all overlap is not divided before rays have paid for all of it: its lists
@@ -173,7 +161,7 @@ bool LazyTree::pays(const kdtree::DeferredCell& cell, double rays,
 bool LazyTree::pays_for(const kdtree::DeferredCell& cell, std::uint64_t spent,
                         kdtree::BuildCounters& counters) const {
   if (spent < cost_of_expanding(cell)) return false;
-  return cell.has_list || is_eager(cell) || !is_overlapping(cell, counters) ||
+  return cell.has_list || context_.is_eager(cell) || !is_overlapping(cell, counters) ||
          spent >= kDenseCost * cell.size;
 }
 
@@ -182,8 +170,9 @@ bool LazyTree::is_overlapping(const kdtree::DeferredCell& root,
   constexpr double kMostCut = 0.2;
   Known known = overlapping_.load(std::memory_order_relaxed);
   if (known == Known::kNot) {
-    const bool openable = source_.coarsest(counters).openable;
-    const bool is_cut = !openable && share_cut(sample(root, source_, counters)) > kMostCut;
+    const CellReader references(context_.source, root, counters);
+    const bool is_cut =
+        !references.openable() && share_cut(sample(references, counters)) > kMostCut;
     known = is_cut ? Known::kYes : Known::kNo;
     overlapping_.store(known, std::memory_order_relaxed);
   }
@@ -195,15 +184,16 @@ CellDecision LazyTree::decide(const kdtree::DeferredCell& cell,
                               kdtree::BuildCounters& counters) const {
   const double rays = rays_each * static_cast<double>(waiting.size());
   if (!pays(cell, rays, counters)) return CellDecision::kSearch;
-  if (cell.whole || is_eager(cell)) return CellDecision::kExpand;
+  if (cell.whole || context_.is_eager(cell)) return CellDecision::kExpand;
   std::vector<CellPassage> passages;
   passages.reserve(waiting.size());
   for (const geometry::LocalRay& ray : waiting) passages.push_back(passage(ray, cell.box));
-  const auto shares = shares_of(sample(cell, source_, counters), cell.box);
+  const auto shares =
+      shares_of(sample(CellReader(context_.source, cell, counters), counters), cell.box);
   const double blocks = static_cast<double>(cell.weight) / static_cast<double>(grow::kBlockCell);
   const double share = share_reached(passages, rays_each, shares, blocks);
   const bool most = share >= kFinishShare && rays >= static_cast<double>(kFinishCost) * share;
-  return most && may_build_ahead() ? CellDecision::kFinish : CellDecision::kExpand;
+  return most && context_.may_build_ahead() ? CellDecision::kFinish : CellDecision::kExpand;
 }
 
 void LazyTree::count_rays(std::uint64_t rays) {
@@ -211,15 +201,15 @@ void LazyTree::count_rays(std::uint64_t rays) {
 }
 
 bool LazyTree::has_paid_for_all() const {
-  return !is_complete() && is_over_faces() && may_build_ahead() &&
+  return !is_complete() && is_over_faces() && context_.may_build_ahead() &&
          evicted_.load(std::memory_order_relaxed) == 0 &&
-         rays_.load(std::memory_order_relaxed) * kWalkCost >= kFinishCost * primitive_count_;
+         rays_.load(std::memory_order_relaxed) * kWalkCost >= kFinishCost * context_.size;
 }
 
 void LazyTree::finish(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
                       const std::atomic<bool>* cancelled) {
   const Timed timed(counters);
-  complete(slot, counters, cancelled);
+  complete(context_, slot, counters, cancelled);
 }
 
 }  // namespace sightline::accel::lazy

@@ -4,9 +4,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 
 #include "accel/geometry/aabb.h"
 #include "accel/kdtree/kd_tree.h"
+#include "accel/lazy/tree_context.h"
 
 namespace sightline::accel::lazy {
 
@@ -23,5 +25,10 @@ struct Evictable {
   /// What building it again costs for each byte, by how long ago it was used. The least goes first.
   std::uint64_t value = 0;
 };
+
+/// The same cell with a compact list, or without a list if it holds all of a mesh. Throws
+/// std::bad_alloc.
+std::unique_ptr<kdtree::DeferredCell> with_compact_list(const TreeContext& context,
+                                                        const kdtree::DeferredCell& cell);
 
 }  // namespace sightline::accel::lazy

@@ -1,5 +1,6 @@
 // Expanding everything, with all threads of the arena.
-#include <new>
+#include "accel/lazy/full_build.h"
+
 #include <vector>
 
 #include <tbb/blocked_range.h>
@@ -7,7 +8,11 @@
 
 #include "accel/grow/fork.h"
 #include "accel/kdtree/epoch.h"
+#include "accel/lazy/cell_reader.h"
+#include "accel/lazy/demand_costs.h"
+#include "accel/lazy/expansion.h"
 #include "accel/lazy/lazy_tree.h"
+#include "accel/lazy/split_tree.h"
 #include "accel/lazy/stall_detector.h"
 #include "accel/lazy/timed.h"
 
@@ -38,122 +43,83 @@ void collect_deferred(kdtree::AtomicSlot& slot, Deferred& found) {
   for (std::size_t i = 0; i < kdtree::kWidth; ++i) collect_deferred(now.node()->slot(i), found);
 }
 
+/// Calls complete_one(item, counters) for every item, in parallel.
+template <class CompleteOne>
+void complete_each(std::size_t items, kdtree::BuildCounters& counters,
+                   const CompleteOne& complete_one) {
+  counters += tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, items), kdtree::BuildCounters{},
+      [&](const tbb::blocked_range<std::size_t>& range, kdtree::BuildCounters sum) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) complete_one(i, sum);
+        return sum;
+      },
+      [](kdtree::BuildCounters a, const kdtree::BuildCounters& b) { return a += b; });
+}
+
+/// Whether one thread makes the references that the cell is built of: not if a sample of the root,
+/// or runs of triangles, may divide it better.
+bool is_serial(const TreeContext& context, const kdtree::DeferredCell& cell,
+               kdtree::BuildCounters& counters) {
+  if (cell.weight > kSerialBelow || cell.has_list) return cell.weight <= kSerialBelow;
+  const CellReader root(context.source, cell, counters);
+  return !root.openable() && (!context.rule->takes_samples() || root.size() < kSampleFrom);
+}
+
+/// Divides a long list, or claims a cell that one thread will build. Returns whether the slot has
+/// changed.
+bool take_step(TreeContext& context, kdtree::DeferredCell& cell, Expansion& expansion,
+               kdtree::BuildCounters& counters) {
+  if (cell.has_list && cell.weight <= kSerialBelow && context.budget() != 0 &&
+      context.holds_all(cell)) {
+    expansion.mark_whole(cell);
+    return true;
+  }
+  if (cell.whole || is_serial(context, cell, counters)) return expansion.claim(cell);
+  return expansion.expand(WhenPending::kWait) != AtCell::kSearch;
+}
+
 }  // namespace
 
-void LazyTree::expand_all(kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled) {
-  if (is_complete()) return;
-  const Timed timed(counters);
-  while (!is_set(cancelled) && build_left_over(nullptr, counters, cancelled)) continue;
-  // A round completes the cells that were deferred when it began, except those that rays claimed.
-  for (;;) {
-    Deferred deferred;
-    const std::uint64_t evicted_before = evicted_.load(std::memory_order_acquire);
-    {
-      const kdtree::EpochPin pin;
-      collect_deferred(tree_.root(), deferred);
-    }
-    const bool some_wait = evicted_must_wait(deferred.evicted_references);
-    if (!some_wait) {
-      deferred.slots.insert(deferred.slots.end(), deferred.evicted.begin(), deferred.evicted.end());
-    }
-    if (deferred.slots.empty() && !some_wait) {
-      complete_.store(true, std::memory_order_release);
-      // Something may have gone since they were collected.
-      if (evicted_.load(std::memory_order_acquire) != evicted_before) complete_.store(false);
-    }
-    if (deferred.slots.empty() || is_set(cancelled) || !may_build_ahead()) return;
-    counters += tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, deferred.slots.size()), kdtree::BuildCounters{},
-        [&](const tbb::blocked_range<std::size_t>& range, kdtree::BuildCounters sum) {
-          for (std::size_t i = range.begin(); i != range.end(); ++i)
-            complete(*deferred.slots[i], sum, cancelled);
-          return sum;
-        },
-        [](kdtree::BuildCounters a, const kdtree::BuildCounters& b) { return a += b; });
-  }
-}
-
-/// Whether one thread makes the root's list, which is then no cell's: not if a sample of it, or
-/// runs of triangles, may divide it better.
-bool LazyTree::may_list_root(kdtree::BuildCounters& counters) const {
-  const ReferenceSource::Coarsest coarsest = source_.coarsest(counters);
-  return !coarsest.openable && (!rule_->takes_samples() || coarsest.slots < kSampleFrom);
-}
-
-/// Divides a long list, and claims a cell that one thread will build.
-LazyTree::Step LazyTree::step(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
-                              const std::atomic<bool>* cancelled, kdtree::DeferredCell*& claimed) {
-  const kdtree::EpochPin pin;
-  const kdtree::Slot now = kdtree::load(slot);
-  if (!now.is_deferred()) return Step::kBuilt;
-  kdtree::DeferredCell& cell = *now.cell();
-  if (cell.has_list && cell.weight <= kSerialBelow && budget() != 0 && holds_all(cell)) {
-    mark_whole(slot, cell);
-    return Step::kAgain;
-  }
-  const bool is_serial = cell.weight <= kSerialBelow && (cell.has_list || may_list_root(counters));
-  if (!cell.whole && !is_serial) {
-    const ExpandResult expanded = expand_now(slot, WhenPending::kWait, counters, cancelled);
-    return expanded == ExpandResult::kScanList ? Step::kWait : Step::kAgain;
-  }
-  if (!claim(slot, cell)) return Step::kWait;
-  claimed = &cell;
-  return Step::kClaimed;
-}
-
-/// Returns when the slot and the cells that its divisions made are built. Pinned only for single
-/// steps: a pin for longer would keep the lists of all cells alive.
-void LazyTree::complete(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
-                        const std::atomic<bool>* cancelled) {
+void complete(TreeContext& context, kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
+              const std::atomic<bool>* cancelled) {
   StallDetector stall_detector;
   for (;;) {
-    if (is_set(cancelled) || !may_build_ahead()) return;
-    kdtree::DeferredCell* claimed = nullptr;
-    const Step done = step(slot, counters, cancelled, claimed);
-    if (done == Step::kBuilt) break;
-    if (done == Step::kClaimed) {
-      try {  // no other thread retires a claimed cell
-        complete_claimed(slot, *claimed, counters, cancelled);
-      } catch (const Cancelled&) {  // it is deferred again
-      }
-      return;
+    if (is_set(cancelled) || !context.may_build_ahead()) return;
+    Expansion expansion(context, slot, counters, cancelled);
+    bool has_changed = false;
+    {
+      const kdtree::EpochPin pin;  // for one step: a longer one would keep the lists of all cells
+      const kdtree::Slot now = kdtree::load(slot);
+      if (!now.is_deferred()) break;
+      has_changed = take_step(context, *now.cell(), expansion, counters);
     }
+    if (expansion.build_claimed()) return;
     // A ray's thread has just claimed the cell. It finishes soon, or it is stopped, and then the
     // next round completes the cell.
-    if (done == Step::kWait && !stall_detector.wait(0)) return;
+    if (!has_changed && !stall_detector.wait(0)) return;
   }
   const kdtree::Slot built = kdtree::load(slot);
   if (!built.is_node()) return;
-  counters += tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, kdtree::kWidth), kdtree::BuildCounters{},
-      [&](const tbb::blocked_range<std::size_t>& range, kdtree::BuildCounters sum) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i)
-          complete(built.node()->slot(i), sum, cancelled);
-        return sum;
-      },
-      [](kdtree::BuildCounters a, const kdtree::BuildCounters& b) { return a += b; },
-      tbb::simple_partitioner());
+  complete_each(kdtree::kWidth, counters, [&](std::size_t i, kdtree::BuildCounters& sum) {
+    complete(context, built.node()->slot(i), sum, cancelled);
+  });
 }
 
-/// Whether a cancelled build has left the lists of its path, which take the room of others.
-bool LazyTree::lists_are_left_over() const {
-  return budget() != 0 &&
-         (tree_.left_over_bytes() > 0 || tree_.deferred_bytes() > most_list_bytes());
+bool lists_are_left_over(const TreeContext& context) {
+  return context.budget() != 0 && (context.tree.left_over_bytes() > 0 ||
+                                   context.tree.deferred_bytes() > most_list_bytes(context));
 }
 
-/// Builds the first such list, from left to right as the cancelled build would have gone on: one,
-/// so that a caller who is pinned can renew its pin and free it. False: there is none, or it is
-/// being built, or it does not come before that slot.
-bool LazyTree::build_left_over(const kdtree::AtomicSlot* before, kdtree::BuildCounters& counters,
-                               const std::atomic<bool>* cancelled) {
-  if (!lists_are_left_over() || !may_build_ahead()) return false;
+bool build_left_over(TreeContext& context, const kdtree::AtomicSlot* before,
+                     kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled) {
+  if (!lists_are_left_over(context) || !context.may_build_ahead()) return false;
   kdtree::AtomicSlot* first = nullptr;
   kdtree::Slot was;
   {
     const kdtree::EpochPin pin;
     Deferred deferred;
-    collect_deferred(tree_.root(), deferred);
-    const bool some_are_marked = tree_.left_over_bytes() > 0;
+    collect_deferred(context.tree.root(), deferred);
+    const bool some_are_marked = context.tree.left_over_bytes() > 0;
     for (kdtree::AtomicSlot* const slot : deferred.slots) {
       if (slot == before) return false;
       was = kdtree::load(*slot);
@@ -166,8 +132,39 @@ bool LazyTree::build_left_over(const kdtree::AtomicSlot* before, kdtree::BuildCo
     }
   }
   if (first == nullptr) return false;
-  complete(*first, counters, cancelled);
+  complete(context, *first, counters, cancelled);
   return kdtree::load(*first) != was;
+}
+
+void LazyTree::expand_all(kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled) {
+  if (is_complete()) return;
+  const Timed timed(counters);
+  while (!is_set(cancelled) && build_left_over(context_, nullptr, counters, cancelled)) continue;
+  // A round completes the cells that were deferred when it began, except those that rays claimed.
+  for (;;) {
+    Deferred deferred;
+    const std::uint64_t evicted_before = evicted_.load(std::memory_order_acquire);
+    {
+      const kdtree::EpochPin pin;
+      collect_deferred(context_.tree.root(), deferred);
+    }
+    // Evicted cells wait for rays, unless all of them fit.
+    const bool some_wait =
+        deferred.evicted_references > 0 &&
+        !context_.has_capacity_for(deferred.evicted_references * kBytesOfReference);
+    if (!some_wait) {
+      deferred.slots.insert(deferred.slots.end(), deferred.evicted.begin(), deferred.evicted.end());
+    }
+    if (deferred.slots.empty() && !some_wait) {
+      complete_.store(true, std::memory_order_release);
+      // Something may have gone since they were collected.
+      if (evicted_.load(std::memory_order_acquire) != evicted_before) complete_.store(false);
+    }
+    if (deferred.slots.empty() || is_set(cancelled) || !context_.may_build_ahead()) return;
+    complete_each(deferred.slots.size(), counters, [&](std::size_t i, kdtree::BuildCounters& sum) {
+      complete(context_, *deferred.slots[i], sum, cancelled);
+    });
+  }
 }
 
 }  // namespace sightline::accel::lazy

@@ -3,44 +3,36 @@
 
 #include <algorithm>
 #include <utility>
-#include <vector>
 
 namespace sightline::accel::lazy {
 
-bool open_once(const ReferenceSource& source,
-               std::span<const std::span<const kdtree::Reference>> spans,
-               const geometry::Aabb& cell, kdtree::ReferenceList& out,
+bool open_once(const ReferenceSource& source, std::span<const kdtree::Reference> refs,
+               const geometry::Aabb& cell, std::vector<kdtree::Reference>& out,
                kdtree::BuildCounters& counters) {
-  std::vector<kdtree::Reference> finer;
   bool openable = false;
-  for (const std::span<const kdtree::Reference> part : spans) {
-    for (const kdtree::Reference& ref : part) {
-      const std::size_t before = finer.size();
-      if (!ref.openable()) {
-        finer.push_back(ref);
-        continue;
-      }
-      source.open(ref, finer, counters);
-      counters.touches += finer.size() - before;
-      const auto kept = std::remove_if(finer.begin() + static_cast<std::ptrdiff_t>(before),
-                                       finer.end(), [&](const kdtree::Reference& r) {
-                                         return r.weight == 0 || !is_member(r.bounds(), cell);
-                                       });
-      finer.erase(kept, finer.end());
-      for (std::size_t i = before; i < finer.size(); ++i) openable |= finer[i].openable();
+  for (const kdtree::Reference& ref : refs) {
+    const std::size_t before = out.size();
+    if (!ref.openable()) {
+      out.push_back(ref);
+      continue;
     }
+    source.open(ref, out, counters);
+    counters.touches += out.size() - before;
+    const auto kept = std::remove_if(
+        out.begin() + static_cast<std::ptrdiff_t>(before), out.end(),
+        [&](const kdtree::Reference& r) { return r.weight == 0 || !is_member(r.bounds(), cell); });
+    out.erase(kept, out.end());
+    for (std::size_t i = before; i < out.size(); ++i) openable |= out[i].openable();
   }
-  out = kdtree::ReferenceList(finer);
   return openable;
 }
 
 kdtree::ReferenceList open_all(const ReferenceSource& source, kdtree::ReferenceList list,
                                const geometry::Aabb& cell, kdtree::BuildCounters& counters) {
   for (bool openable = true; openable;) {
-    const std::span<const kdtree::Reference> refs = std::as_const(list).all();
-    kdtree::ReferenceList finer;
-    openable = open_once(source, {&refs, 1}, cell, finer, counters);
-    list = std::move(finer);
+    std::vector<kdtree::Reference> finer;
+    openable = open_once(source, std::as_const(list).all(), cell, finer, counters);
+    list = kdtree::ReferenceList(std::span<const kdtree::Reference>(finer));
   }
   return list;
 }

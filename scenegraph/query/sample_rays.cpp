@@ -83,9 +83,9 @@ bool grow(const AwaitedCell& cell, double rays_each, const TraceOptions& options
     const CellDecision decision = cell.tree->decide(*now.cell(), cell.rays, rays_each, built);
     if (decision == CellDecision::kSearch) return false;
     if (decision == CellDecision::kExpand) {
-      const accel::lazy::ExpandResult expanded =
+      const accel::lazy::AtCell expanded =
           cell.tree->expand(*cell.slot, accel::lazy::WhenPending::kWait, built, options.cancelled);
-      return expanded == accel::lazy::ExpandResult::kRetry;
+      return expanded == accel::lazy::AtCell::kAdvance;
     }
   }
   cell.tree->finish(*cell.slot, built, options.cancelled);

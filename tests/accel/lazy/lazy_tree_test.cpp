@@ -19,7 +19,7 @@ namespace {
 void touch_all(LazyTree& tree, kdtree::AtomicSlot& slot) {
   kdtree::BuildCounters counters;
   while (kdtree::load(slot).is_deferred())
-    ASSERT_EQ(tree.expand(slot, WhenPending::kWait, counters), ExpandResult::kRetry);
+    ASSERT_EQ(tree.expand(slot, WhenPending::kWait, counters), AtCell::kAdvance);
   const kdtree::Slot now = kdtree::load(slot);
   if (!now.is_node()) return;
   for (std::size_t i = 0; i < kdtree::kWidth; ++i) touch_all(tree, now.node()->slot(i));
@@ -37,14 +37,16 @@ TEST(LazyTree, ADivisionFillsANodeWithTheBoxesOfWhatIsInItsCells) {
   const kdtree::EpochPin pin;
   kdtree::BuildCounters counters;
   while (kdtree::load(tree->root()).is_deferred())
-    ASSERT_EQ(tree->expand(tree->root(), WhenPending::kWait, counters), ExpandResult::kRetry);
+    ASSERT_EQ(tree->expand(tree->root(), WhenPending::kWait, counters), AtCell::kAdvance);
   const kdtree::Slot root = kdtree::load(tree->root());
   ASSERT_TRUE(root.is_node());
   for (std::size_t i = 0; i < kdtree::kWidth; ++i) {
     ASSERT_TRUE(root.node()->child(i).is_deferred()) << i;
     const kdtree::DeferredCell& cell = *root.node()->child(i).cell();
     geometry::Aabb box;
-    for (const kdtree::Reference& ref : cell.list.whole()) box.grow(ref.bounds());
+    cell.list.each_part(0, [&](std::span<const kdtree::Reference> part) {
+      for (const kdtree::Reference& ref : part) box.grow(ref.bounds());
+    });
     for (std::size_t axis = 0; axis < 3; ++axis) {
       box.lo[axis] = std::max(box.lo[axis], cell.box.lo[axis]);
       box.hi[axis] = std::min(box.hi[axis], cell.box.hi[axis]);

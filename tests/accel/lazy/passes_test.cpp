@@ -1,6 +1,6 @@
 // Threads that expand one cell together: equal cuts, little duplicate work, and no waiting for a
 // thread that has stopped.
-#include "accel/lazy/cell_task.h"
+#include "accel/lazy/passes.h"
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
@@ -14,6 +14,7 @@
 
 #include "accel/kdtree/tree_metrics.h"
 #include "accel/lazy/lazy_tree.h"
+#include "accel/lazy/split_tree.h"
 #include "accel/published/any_builder.h"
 #include "tests/accel/boxes.h"
 #include "tests/accel/check_tree.h"
@@ -23,36 +24,35 @@
 namespace sightline::accel::lazy {
 namespace {
 
-std::unique_ptr<PassSlice> counted(std::size_t references) {
-  auto result = std::make_unique<PassSlice>();
-  result->straddling.all = references;
+PassSlice counted(std::size_t references) {
+  PassSlice result;
+  result.straddling.all = references;
   return result;
 }
 
-TEST(CellTask, APassSequenceFindsThePassesThatAreDone) {
-  auto* task = new CellTask(nullptr);
+TEST(Passes, AThreadFindsThePassesThatAreDone) {
+  auto* chain = new PassChain(nullptr);
   std::atomic<int> runs{0};
   const auto follow = [&](kdtree::BuildCounters& counters) {
-    PassSequence passes(*task, counters);
+    Passes passes(*chain, counters, nullptr);
     std::size_t sum = 0;
     for (std::size_t k = 1; k <= 4; ++k) {
-      const SharedPass& pass =
-          passes.next(k, [&runs, k](std::size_t slice, kdtree::BuildCounters&) {
-            ++runs;
-            return counted(k * slice);
-          });
-      for (std::size_t i = 0; i < pass.slices(); ++i) sum += pass[i].straddling.all;
+      const auto work = [&runs, k](std::size_t slice, kdtree::BuildCounters&) {
+        ++runs;
+        return counted(k * slice);
+      };
+      passes.run(k, work, [&](const PassSlice& slice) { sum += slice.straddling.all; });
     }
     return sum;
   };
   kdtree::BuildCounters counters;
   const std::size_t first = follow(counters);
   EXPECT_EQ(runs, 1 + 2 + 3 + 4);
-  const std::uint64_t progress = task->progress();
+  const std::uint64_t progress = chain->progress();
   EXPECT_EQ(follow(counters), first);
   EXPECT_EQ(runs, 1 + 2 + 3 + 4);
-  EXPECT_EQ(task->progress(), progress);
-  task->leave();
+  EXPECT_EQ(chain->progress(), progress);
+  chain->leave();
 }
 
 /// A tree over many small boxes whose list is made in slices.
@@ -102,7 +102,7 @@ kdtree::BuildCounters descend(LazyTree& tree, const geometry::Vec3f& point) {
   for (kdtree::AtomicSlot* at = &tree.root(); at != nullptr;) {
     const kdtree::Slot slot = kdtree::load(*at);
     if (slot.is_deferred()) {
-      if (tree.expand(*at, WhenPending::kWait, counters) == ExpandResult::kScanList) break;
+      if (tree.expand(*at, WhenPending::kWait, counters) == AtCell::kSearch) break;
       continue;
     }
     at = nullptr;
@@ -123,7 +123,7 @@ std::uint64_t descend_with(int threads, LazyTree& tree, const geometry::Vec3f& p
   return touches;
 }
 
-TEST(CellTask, SixteenThreadsInOneColdCellBuildWhatOneBuilds) {
+TEST(Passes, SixteenThreadsInOneColdCellBuildWhatOneBuilds) {
   const SharedBoxes boxes(400'000);
   const geometry::Vec3f point = (*boxes.refs)[0].lo;
   const auto alone = boxes.tree(), together = boxes.tree();
@@ -140,7 +140,7 @@ TEST(CellTask, SixteenThreadsInOneColdCellBuildWhatOneBuilds) {
   EXPECT_EQ(cells(*together), cells(*alone));
 }
 
-TEST(CellTask, AThreadStoppedInASliceDoesNotDelayOthers) {
+TEST(Passes, AThreadStoppedInASliceDoesNotDelayOthers) {
   for (int stopped_at : {0, 7, 40}) {
     auto gate = std::make_shared<Gate>();
     SharedBoxes boxes(200'000);
@@ -167,7 +167,7 @@ TEST(CellTask, AThreadStoppedInASliceDoesNotDelayOthers) {
   }
 }
 
-TEST(CellTask, ACancelledThreadLeavesAfterASliceAndTheNextOneGoesOn) {
+TEST(Passes, ACancelledThreadLeavesAfterASliceAndTheNextOneGoesOn) {
   // A helper may be in a slice while this thread is cancelled.
   const oneapi::tbb::global_control alone(oneapi::tbb::global_control::max_allowed_parallelism, 1);
   ManyBoxes boxes(400'000);
@@ -181,7 +181,7 @@ TEST(CellTask, ACancelledThreadLeavesAfterASliceAndTheNextOneGoesOn) {
   {
     const kdtree::EpochPin pin;
     EXPECT_EQ(tree->expand(tree->root(), WhenPending::kWait, counters, cancelled.get()),
-              ExpandResult::kScanList);
+              AtCell::kSearch);
     EXPECT_TRUE(kdtree::load(tree->root()).is_deferred());
   }
   EXPECT_EQ(*slices, 3) << "none after the one that was cancelled";
@@ -191,7 +191,7 @@ TEST(CellTask, ACancelledThreadLeavesAfterASliceAndTheNextOneGoesOn) {
   EXPECT_EQ(descend(*tree, point).cells_expanded, descend(*other, point).cells_expanded);
 }
 
-TEST(CellTask, AFullBuildThatIsCancelledWithinTheListOfARootReturns) {
+TEST(Passes, AFullBuildThatIsCancelledWithinTheListOfARootReturns) {
   ManyBoxes boxes(kSampleFrom - 1);  // two slices, which one thread lists
   const auto cancelled = std::make_shared<std::atomic<bool>>(false);
   boxes.at_slice = [cancelled] { *cancelled = true; };
@@ -204,36 +204,36 @@ TEST(CellTask, AFullBuildThatIsCancelledWithinTheListOfARootReturns) {
   EXPECT_TRUE(tree->is_complete());
 }
 
-/// Does the slices of a task's last pass, as a called thread does.
-void help(CellTask& task) {
+/// Does the slices of a chain's last pass, as a called thread does.
+void help(PassChain& chain) {
   kdtree::BuildCounters counters;
-  task.help(counters);
-  task.leave();
+  chain.help(counters);
+  chain.leave();
 }
 
-TEST(CellTask, KeepsTheSourceAliveForAStoppedHelper) {
+TEST(Passes, KeepsTheSourceAliveForAStoppedHelper) {
   auto source = std::make_shared<int>(0);
   const std::weak_ptr<int> watched = source;
   Gate gate;
-  auto* const task = new CellTask(std::move(source));
+  auto* const chain = new PassChain(std::move(source));
   // In an arena for one thread, no other is called.
   tbb::task_arena(1).execute([&] {
-    task->pass_after(nullptr, 2, [&gate](std::size_t slice, kdtree::BuildCounters&) {
+    chain->pass_after(nullptr, 2, [&gate](std::size_t slice, kdtree::BuildCounters&) {
       gate.pass();
       return counted(slice);
     });
   });
-  task->join();
-  std::thread helper([task] { help(*task); });
+  chain->join();
+  std::thread helper([chain] { help(*chain); });
   while (!gate.taken()) tests::sleep_shortly();
-  task->leave();
+  chain->leave();
   EXPECT_FALSE(watched.expired()) << "the stopped helper still reads it";
   gate.open();
   helper.join();
   EXPECT_TRUE(watched.expired());
 }
 
-TEST(CellTask, CalledThreadsReleaseTheSourceOfATreeThatIsGone) {
+TEST(Passes, CalledThreadsReleaseTheSourceOfATreeThatIsGone) {
   std::weak_ptr<const void> source;
   tbb::task_arena arena(4);
   arena.execute([&] {
