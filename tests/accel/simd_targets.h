@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 #include <hwy/highway.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
+#include <tuple>
+#include <vector>
 
 namespace sightline::tests {
 
@@ -20,6 +23,15 @@ class OnSimdTarget : public ::testing::TestWithParam<std::int64_t> {
 inline auto every_simd_target() { return ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()); }
 inline std::string simd_target_name(const ::testing::TestParamInfo<std::int64_t>& target) {
   return hwy::TargetName(target.param);
+}
+
+/// For tests of many cases whose work is the same on all targets: each case with one target, which
+/// take turns.
+inline auto simd_targets_in_turn(std::size_t cases) {
+  const std::vector<std::int64_t> targets = hwy::SupportedAndGeneratedTargets();
+  std::vector<std::tuple<std::int64_t, std::size_t>> pairs;
+  for (std::size_t i = 0; i < cases; ++i) pairs.emplace_back(targets[i % targets.size()], i);
+  return ::testing::ValuesIn(pairs);
 }
 
 }  // namespace sightline::tests
