@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 #include <hwy/highway.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
+#include <tuple>
+#include <vector>
 
 namespace sightline::tests {
 
@@ -20,6 +23,19 @@ class OnSimdTarget : public ::testing::TestWithParam<std::int64_t> {
 inline auto every_simd_target() { return ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()); }
 inline std::string simd_target_name(const ::testing::TestParamInfo<std::int64_t>& target) {
   return hwy::TargetName(target.param);
+}
+
+/// For tests of many cases, each with two targets, which take turns: one of the first half of the
+/// targets, which multiply and add in one rounding, and one of the others.
+inline auto simd_targets_in_turn(std::size_t cases) {
+  const std::vector<std::int64_t> targets = hwy::SupportedAndGeneratedTargets();
+  std::vector<std::tuple<std::int64_t, std::size_t>> pairs;
+  for (std::size_t i = 0; i < cases; ++i) {
+    pairs.emplace_back(targets[i % targets.size()], i);
+    if (targets.size() > 1)
+      pairs.emplace_back(targets[(i + targets.size() / 2) % targets.size()], i);
+  }
+  return ::testing::ValuesIn(pairs);
 }
 
 }  // namespace sightline::tests

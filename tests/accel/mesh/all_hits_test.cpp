@@ -31,9 +31,15 @@ constexpr std::uint64_t kNode = 7;
 /// Fewer than many rays hit.
 constexpr std::size_t kListed = 3;
 
-std::vector<ListedHit> search_exactly(const TestMesh& mesh, const Ray& ray, Culling culling) {
+/// What the rule says of one ray.
+struct Expected {
+  std::vector<std::uint32_t> primitives;
+  std::vector<ListedHit> list;
+};
+
+Expected search_exactly(const TestMesh& mesh, const Ray& ray, Culling culling) {
   const geometry::LocalRay local = *make_local_ray(ray.origin, ray.direction);
-  std::vector<ListedHit> hits;
+  Expected expected;
   for (std::uint32_t i = 0; i < mesh.faces.size(); ++i) {
     if (!face_bounds(mesh.view(), i)) continue;
     const geometry::Face& f = mesh.faces[i];
@@ -42,10 +48,13 @@ std::vector<ListedHit> search_exactly(const TestMesh& mesh, const Ray& ray, Cull
     const std::optional<double> t = intersect(local, a, b, c);
     if (!t || is_culled(culling, local, a, b, c)) continue;
     const double world = *t * local.unit;
-    if (world >= ray.tmin && world <= ray.tmax) hits.push_back({world, kNode, i, 0});
+    if (!(world >= ray.tmin && world <= ray.tmax)) continue;
+    expected.primitives.push_back(i);
+    expected.list.push_back({world, kNode, i, 0});
   }
-  std::sort(hits.begin(), hits.end());
-  return hits;
+  std::sort(expected.list.begin(), expected.list.end());
+  expected.list.resize(std::min(expected.list.size(), kListed));
+  return expected;
 }
 
 /// What one ray collects.
@@ -54,17 +63,22 @@ struct Found {
   UniqueHits<std::uint32_t> primitives;
 };
 
-void expect_all(Found& found, const TestMesh& mesh, const Ray& ray, Culling culling) {
-  std::vector<ListedHit> expected = search_exactly(mesh, ray, culling);
-  std::vector<std::uint32_t> ids;
-  for (const ListedHit& hit : expected) ids.push_back(hit.primitive);
-  std::sort(ids.begin(), ids.end());
-  const auto counted = found.primitives.sorted();
-  EXPECT_TRUE(std::equal(counted.begin(), counted.end(), ids.begin(), ids.end()));
-  expected.resize(std::min(expected.size(), kListed));
-  const auto listed = found.list.sorted();
-  EXPECT_TRUE(std::equal(listed.begin(), listed.end(), expected.begin(), expected.end()));
+void expect_all(Found& found, const Expected& expected) {
+  EXPECT_TRUE(std::ranges::equal(found.primitives.sorted(), expected.primitives));
+  EXPECT_TRUE(std::ranges::equal(found.list.sorted(), expected.list));
 }
+
+/// The questions of one kind of culling, and their answers.
+struct Questions {
+  Questions(const TestMesh& mesh, std::span<const Ray> asked, Culling side)
+      : rays(asked), culling(side) {
+    for (const Ray& ray : rays) expected.push_back(search_exactly(mesh, ray, culling));
+  }
+
+  std::span<const Ray> rays;
+  Culling culling;
+  std::vector<Expected> expected;
+};
 
 /// Asks once for each of the two sinks.
 template <class Ask>
@@ -73,23 +87,22 @@ void for_both(Found& found, const Ask& ask) {
   ask(HitSink{.primitives = &found.primitives});
 }
 
-void ask_alone(MeshTree& tree, const TestMesh& mesh, std::span<const Ray> rays, Culling culling,
-               OnDeferred on_deferred) {
+void ask_alone(MeshTree& tree, const Questions& questions, OnDeferred on_deferred) {
   const kdtree::EpochPin pin;
-  for (const Ray& ray : rays) {
+  for (std::size_t i = 0; i < questions.rays.size(); ++i) {
     Found found;
     for_both(found, [&](const HitSink& sink) {
-      tests::MeshQuery query = tests::query_of(ray);
+      tests::MeshQuery query = tests::query_of(questions.rays[i]);
       query.goal = wide::Goal::kEvery;
       query.sink = sink;
       query.cells.on_deferred = on_deferred;
-      query.culling = culling;
+      query.culling = questions.culling;
       query.node = kNode;
       kdtree::WalkCounters walked;
       kdtree::BuildCounters built;
       tests::ask(tree, query, walked, built);
     });
-    expect_all(found, mesh, ray, culling);
+    expect_all(found, questions.expected[i]);
   }
 }
 
@@ -112,20 +125,21 @@ void ask_packet(MeshTree& tree, std::span<const Ray> rays, Culling culling, OnDe
   tree.query(*packet, (2u << (rays.size() - 1)) - 1, cells, walked, built);
 }
 
-void ask_packets(MeshTree& tree, const TestMesh& mesh, std::span<const Ray> rays, Culling culling,
-                 OnDeferred on_deferred) {
+void ask_packets(MeshTree& tree, const Questions& questions, OnDeferred on_deferred) {
   const kdtree::EpochPin pin;
-  for (; !rays.empty(); rays = rays.subspan(std::min(kLanes, rays.size()))) {
-    const auto part = rays.first(std::min(kLanes, rays.size()));
+  for (std::size_t first = 0; first < questions.rays.size(); first += kLanes) {
+    const auto part =
+        questions.rays.subspan(first, std::min(kLanes, questions.rays.size() - first));
     std::array<Found, kLanes> found;
     std::array<HitSink, kLanes> lists, primitives;
     for (std::size_t i = 0; i < kLanes; ++i) {
       lists[i].list = &found[i].list;
       primitives[i].primitives = &found[i].primitives;
     }
-    ask_packet(tree, part, culling, on_deferred, lists);
-    ask_packet(tree, part, culling, on_deferred, primitives);
-    for (std::size_t i = 0; i < part.size(); ++i) expect_all(found[i], mesh, part[i], culling);
+    ask_packet(tree, part, questions.culling, on_deferred, lists);
+    ask_packet(tree, part, questions.culling, on_deferred, primitives);
+    for (std::size_t i = 0; i < part.size(); ++i)
+      expect_all(found[i], questions.expected[first + i]);
   }
 }
 
@@ -145,29 +159,22 @@ class AllHits : public ::testing::TestWithParam<std::tuple<std::int64_t, std::si
   const std::vector<Ray> rays_ = tests::make_hard_rays(mesh_, 3 * tests::kHardRayKinds, 32);
 };
 
-TEST_P(AllHits, OfRaysAloneEqualTheRule) {
-  const auto growing = make_tree(), searched = make_tree();
+TEST_P(AllHits, OfRaysAloneAndOfPacketsEqualTheRule) {
+  const auto growing_alone = make_tree(), growing = make_tree(), searched = make_tree();
   for (const Culling culling : {Culling::kNone, Culling::kBack, Culling::kFront}) {
-    ask_alone(*growing, mesh_, rays_, culling, OnDeferred::kExpand);
-    ask_alone(*growing, mesh_, rays_, culling, OnDeferred::kScan);
+    const Questions questions(mesh_, rays_, culling);
+    for (const OnDeferred on_deferred : {OnDeferred::kExpand, OnDeferred::kScan}) {
+      ask_alone(*growing_alone, questions, on_deferred);
+      ask_packets(*growing, questions, on_deferred);
+    }
+    if (culling != Culling::kNone) continue;
+    ask_alone(*searched, questions, OnDeferred::kScan);
+    ask_packets(*searched, questions, OnDeferred::kScan);
   }
-  ask_alone(*searched, mesh_, rays_, Culling::kNone, OnDeferred::kScan);
-}
-
-TEST_P(AllHits, OfPacketsEqualTheRule) {
-  const auto growing = make_tree(), searched = make_tree();
-  for (const Culling culling : {Culling::kNone, Culling::kBack, Culling::kFront}) {
-    ask_packets(*growing, mesh_, rays_, culling, OnDeferred::kExpand);
-    ask_packets(*growing, mesh_, rays_, culling, OnDeferred::kScan);
-  }
-  ask_packets(*searched, mesh_, rays_, Culling::kNone, OnDeferred::kScan);
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Every, AllHits,
-    ::testing::Combine(tests::every_simd_target(),
-                       ::testing::Range(std::size_t{0}, tests::hard_meshes().size())),
-    [](const auto& test) {
+    Every, AllHits, tests::simd_targets_in_turn(tests::hard_meshes().size()), [](const auto& test) {
       std::string name(tests::hard_meshes()[std::get<1>(test.param)].name);
       std::replace_if(
           name.begin(), name.end(), [](char c) { return !std::isalnum(c); }, '_');

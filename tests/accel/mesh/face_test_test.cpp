@@ -34,13 +34,6 @@ std::unique_ptr<MeshTree> tree_over(const TestMesh& mesh) {
   return tree_over(mesh, published::default_builder());
 }
 
-std::vector<TestMesh> meshes() {
-  TestMesh far = tests::random_soup(1200, 0.1, 3);
-  for (geometry::Vec3f& v : far.vertices) v = {v.x + 1e6f, v.y - 1e6f, v.z + 3e5f};
-  return {tests::single_triangle(), tests::duplicates(100),  tests::random_soup(2500, 0.08, 1),
-          tests::icosphere(4),      tests::slivers(1500, 2), far};
-}
-
 /// Hard ones, some from one point side by side, some that are too far away for floats.
 std::vector<Ray> packet_rays_for(const TestMesh& mesh) {
   std::vector<Ray> rays = tests::make_hard_rays(mesh, 64, 5);
@@ -54,82 +47,103 @@ std::vector<Ray> packet_rays_for(const TestMesh& mesh) {
   return rays;
 }
 
+/// A mesh, rays at it, and what the rule answers to each question.
+struct Case {
+  explicit Case(TestMesh of) : mesh(std::move(of)), rays(packet_rays_for(mesh)) {
+    for (const PacketQuestion& question : kPacketQuestions) {
+      std::vector<PacketAnswer>& answers = expected.emplace_back();
+      for (const Ray& ray : rays) answers.push_back(search(mesh, ray, question));
+    }
+  }
+
+  TestMesh mesh;
+  std::vector<Ray> rays;
+  std::vector<std::vector<PacketAnswer>> expected;
+};
+
+std::vector<TestMesh> meshes() {
+  TestMesh far = tests::random_soup(1200, 0.1, 3);
+  for (geometry::Vec3f& v : far.vertices) v = {v.x + 1e6f, v.y - 1e6f, v.z + 3e5f};
+  return {tests::single_triangle(), tests::duplicates(100),  tests::random_soup(2500, 0.08, 1),
+          tests::icosphere(4),      tests::slivers(1500, 2), far};
+}
+
 /// Half of the rays, one at a time, in their part of the mesh.
 void grow(MeshTree& tree, std::span<const Ray> rays) {
   for (const Ray& ray : rays.first(rays.size() / 2)) AskedPacket({&ray, 1}, {}).ask(tree);
 }
 
 /// Asks in packets of all sizes, each question.
-void expect_exact(MeshTree& tree, const TestMesh& mesh, std::span<const Ray> rays,
-                  OnDeferred on_deferred = OnDeferred::kExpand) {
-  for (const PacketQuestion& question : kPacketQuestions) {
+void expect_exact(MeshTree& tree, const Case& of, OnDeferred on_deferred = OnDeferred::kExpand) {
+  for (std::size_t q = 0; q < of.expected.size(); ++q) {
     std::size_t size = 1, hits = 0;
-    for (std::size_t i = 0; i < rays.size(); i += size, size = size % wide::kLanes + 1) {
-      const auto part = rays.subspan(i, std::min(size, rays.size() - i));
-      AskedPacket asked(part, question);
+    for (std::size_t i = 0; i < of.rays.size(); i += size, size = size % wide::kLanes + 1) {
+      const auto part = std::span(of.rays).subspan(i, std::min(size, of.rays.size() - i));
+      AskedPacket asked(part, kPacketQuestions[q]);
       asked.cells.on_deferred = on_deferred;
       asked.ask(tree);
       ASSERT_FALSE(asked.packet->stopped);
       ASSERT_EQ(asked.packet->saw_deferred & ~asked.lanes(), 0u);
       ASSERT_EQ(asked.work(), asked.walked.steps + asked.walked.tests);
       for (std::size_t lane = 0; lane < part.size(); ++lane) {
-        const PacketAnswer expected = search(mesh, part[lane], question);
-        ASSERT_EQ(asked.answer(lane), expected) << "lane " << lane << " of " << part.size();
-        hits += expected.found ? 1 : 0;
+        ASSERT_EQ(asked.answer(lane), of.expected[q][i + lane])
+            << "lane " << lane << " of " << part.size();
+        hits += asked.answer(lane).found ? 1 : 0;
       }
     }
     ASSERT_GT(hits, 0u);
   }
 }
 
+/// A ray that has met no deferred cell has its answer; before the first ray, all that enter meet
+/// one.
+void expect_skipped_cells_are_reported(MeshTree& untouched, MeshTree& half, const Case& of) {
+  for (std::size_t q = 0; q < of.expected.size(); ++q) {
+    for (std::size_t i = 0; i < of.rays.size(); i += wide::kLanes) {
+      const auto part = std::span(of.rays).subspan(i, std::min(wide::kLanes, of.rays.size() - i));
+      AskedPacket at_first(part, kPacketQuestions[q]), later(part, kPacketQuestions[q]);
+      at_first.cells.on_deferred = later.cells.on_deferred = OnDeferred::kSkip;
+      at_first.ask(untouched);
+      later.ask(half);
+      EXPECT_EQ(at_first.best->found, 0u);
+      for (std::size_t lane = 0; lane < part.size(); ++lane) {
+        const PacketAnswer& expected = of.expected[q][i + lane];
+        EXPECT_TRUE(!expected.found || (at_first.packet->saw_deferred >> lane & 1) != 0);
+        if ((later.packet->saw_deferred >> lane & 1) != 0) continue;
+        EXPECT_EQ(later.answer(lane), expected);
+      }
+    }
+  }
+  EXPECT_TRUE(untouched.untouched());
+}
+
+void expect_all_is_built(MeshTree& finished, const Case& of) {
+  AskedPacket asked(std::span<const Ray>(of.rays).first(wide::kLanes), {});
+  asked.cells.on_deferred = OnDeferred::kSkip;
+  asked.ask(finished);
+  EXPECT_EQ(asked.packet->saw_deferred, 0u);
+  EXPECT_EQ(asked.built.cells_expanded, 0u);
+}
+
 class FaceTests : public tests::OnSimdTarget {};
 INSTANTIATE_TEST_SUITE_P(Every, FaceTests, tests::every_simd_target(), tests::simd_target_name);
 
-TEST_P(FaceTests, InATreeThatTheyGrow) {
-  for (const TestMesh& mesh : meshes()) {
-    const auto tree = tree_over(mesh);
-    expect_exact(*tree, mesh, packet_rays_for(mesh));
-  }
-}
-
-TEST_P(FaceTests, InATreeThatTheyPayFor) {
-  for (const TestMesh& mesh : meshes()) {
-    const auto tree = tree_over(mesh);
-    for (int again = 0; again < 2; ++again)
-      expect_exact(*tree, mesh, packet_rays_for(mesh), OnDeferred::kDemand);
-  }
-}
-
-TEST_P(FaceTests, InAHalfBuiltTree) {
-  for (const TestMesh& mesh : meshes()) {
-    const std::vector<Ray> rays = packet_rays_for(mesh);
-    const auto tree = tree_over(mesh);
-    grow(*tree, rays);
-    expect_exact(*tree, mesh, rays, OnDeferred::kScan);
-    expect_exact(*tree, mesh, rays);
-  }
-}
-
-TEST_P(FaceTests, InAFinishedTree) {
-  for (const TestMesh& mesh : meshes()) {
-    const auto tree = tree_over(mesh);
+TEST_P(FaceTests, HoweverMuchOfTheTreeIsBuilt) {
+  for (TestMesh& mesh : meshes()) {
+    const Case of(std::move(mesh));
+    const auto grown = tree_over(of.mesh), paid = tree_over(of.mesh), half = tree_over(of.mesh),
+               untouched = tree_over(of.mesh), finished = tree_over(of.mesh);
+    expect_exact(*grown, of);
+    for (int again = 0; again < 2; ++again) expect_exact(*paid, of, OnDeferred::kDemand);
+    expect_exact(*untouched, of, OnDeferred::kScan);
+    grow(*half, of.rays);
+    expect_skipped_cells_are_reported(*untouched, *half, of);
+    expect_exact(*half, of, OnDeferred::kScan);
+    expect_exact(*half, of);
     kdtree::BuildCounters built;
-    tree->expand_all(built);
-    const std::vector<Ray> rays = packet_rays_for(mesh);
-    expect_exact(*tree, mesh, rays);
-    AskedPacket asked(std::span<const Ray>(rays).first(wide::kLanes), {});
-    asked.cells.on_deferred = OnDeferred::kSkip;
-    asked.ask(*tree);
-    EXPECT_EQ(asked.packet->saw_deferred, 0u);
-    EXPECT_EQ(asked.built.cells_expanded, 0u);
-  }
-}
-
-TEST_P(FaceTests, InATreeThatIsNeverBuilt) {
-  for (const TestMesh& mesh : meshes()) {
-    const auto tree = tree_over(mesh);
-    expect_exact(*tree, mesh, packet_rays_for(mesh), OnDeferred::kScan);
-    EXPECT_TRUE(tree->untouched());
+    finished->expand_all(built);
+    expect_exact(*finished, of);
+    expect_all_is_built(*finished, of);
   }
 }
 
@@ -138,35 +152,9 @@ TEST_P(FaceTests, InTreesThatAreBuiltWhole) {
   plain.blocks = false;
   const std::vector<published::AnyBuilder> builders{published::KdBuilder(plain),
                                                     *published::make_builder("bvh-sweep")};
-  const TestMesh mesh = tests::random_soup(1500, 0.08, 1);
+  const Case of(tests::random_soup(1500, 0.08, 1));
   for (const published::AnyBuilder& builder : builders)
-    expect_exact(*tree_over(mesh, builder), mesh, packet_rays_for(mesh));
-}
-
-// A ray that has met no deferred cell has its answer; before the first ray, all that enter meet
-// one.
-TEST_P(FaceTests, SkippedCellsAreReported) {
-  for (const TestMesh& mesh : meshes()) {
-    const std::vector<Ray> rays = packet_rays_for(mesh);
-    const auto untouched = tree_over(mesh), half = tree_over(mesh);
-    grow(*half, rays);
-    for (const PacketQuestion& question : kPacketQuestions) {
-      tests::each_packet(rays, wide::kLanes, [&](std::span<const Ray> part) {
-        AskedPacket at_first(part, question), later(part, question);
-        at_first.cells.on_deferred = later.cells.on_deferred = OnDeferred::kSkip;
-        at_first.ask(*untouched);
-        later.ask(*half);
-        EXPECT_EQ(at_first.best->found, 0u);
-        for (std::size_t lane = 0; lane < part.size(); ++lane) {
-          const PacketAnswer expected = search(mesh, part[lane], question);
-          EXPECT_TRUE(!expected.found || (at_first.packet->saw_deferred >> lane & 1) != 0);
-          if ((later.packet->saw_deferred >> lane & 1) != 0) continue;
-          EXPECT_EQ(later.answer(lane), expected);
-        }
-      });
-    }
-    EXPECT_TRUE(untouched->untouched());
-  }
+    expect_exact(*tree_over(of.mesh, builder), of);
 }
 
 TEST_P(FaceTests, SearchedCellsAreReported) {

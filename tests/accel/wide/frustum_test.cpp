@@ -233,9 +233,7 @@ TEST_P(FrustumOnMesh, RaysTowardAnEndEqualTheRule) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Every, FrustumOnMesh,
-                         ::testing::Combine(tests::every_simd_target(),
-                                            ::testing::Range(std::size_t{0},
-                                                             tests::walk_meshes().size())),
+                         tests::simd_targets_in_turn(tests::walk_meshes().size()),
                          [](const auto& test) {
                            return std::string(hwy::TargetName(std::get<0>(test.param))) + "_" +
                                   tests::walk_meshes()[std::get<1>(test.param)].name;
