@@ -25,9 +25,9 @@ inline std::string simd_target_name(const ::testing::TestParamInfo<std::int64_t>
   return hwy::TargetName(target.param);
 }
 
-/// For tests of many cases, each with two targets, which take turns: one of the first half of the
+/// For tests of many cases, each with two targets, which alternate: one of the first half of the
 /// targets, which multiply and add in one rounding, and one of the others.
-inline auto simd_targets_in_turn(std::size_t cases) {
+inline auto alternating_simd_targets(std::size_t cases) {
   const std::vector<std::int64_t> targets = hwy::SupportedAndGeneratedTargets();
   std::vector<std::tuple<std::int64_t, std::size_t>> pairs;
   for (std::size_t i = 0; i < cases; ++i) {

@@ -173,13 +173,16 @@ TEST_P(AllHits, OfRaysAloneAndOfPacketsEqualTheRule) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Every, AllHits, tests::simd_targets_in_turn(tests::hard_meshes().size()), [](const auto& test) {
-      std::string name(tests::hard_meshes()[std::get<1>(test.param)].name);
-      std::replace_if(
-          name.begin(), name.end(), [](char c) { return !std::isalnum(c); }, '_');
-      return std::string(hwy::TargetName(std::get<0>(test.param))) + "_" + name;
-    });
+INSTANTIATE_TEST_SUITE_P(Every, AllHits,
+                         tests::alternating_simd_targets(tests::hard_meshes().size()),
+                         [](const auto& test) {
+                           std::string name(tests::hard_meshes()[std::get<1>(test.param)].name);
+                           std::replace_if(
+                               name.begin(), name.end(), [](char c) { return !std::isalnum(c); },
+                               '_');
+                           return std::string(hwy::TargetName(std::get<0>(test.param))) + "_" +
+                                  name;
+                         });
 
 }  // namespace
 }  // namespace sightline::accel::mesh

@@ -233,7 +233,7 @@ TEST_P(FrustumOnMesh, RaysTowardAnEndEqualTheRule) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Every, FrustumOnMesh,
-                         tests::simd_targets_in_turn(tests::walk_meshes().size()),
+                         tests::alternating_simd_targets(tests::walk_meshes().size()),
                          [](const auto& test) {
                            return std::string(hwy::TargetName(std::get<0>(test.param))) + "_" +
                                   tests::walk_meshes()[std::get<1>(test.param)].name;
