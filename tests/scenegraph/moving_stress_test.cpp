@@ -210,7 +210,7 @@ TEST(HeldSnapshot, DoesNotChangeWhileAWriterContinuesAndOthersAreFreed) {
   ASSERT_TRUE(
       scene.apply(row_of_balls(*scenegraph::model::Mesh::make(sphere.vertices, sphere.faces))));
   std::shared_ptr<const Snapshot> held = scene.snapshot();
-  const std::vector<accel::geometry::Ray> rays = rays_along(20'000);
+  const std::vector<accel::geometry::Ray> rays = rays_along(4000);
   const auto answers = [&](const Snapshot& snapshot) {
     std::vector<accel::geometry::Hit> hits(rays.size());
     EXPECT_TRUE(scenegraph::trace(snapshot, rays, hits, {}));
@@ -237,7 +237,7 @@ TEST(HeldSnapshot, DoesNotChangeWhileAWriterContinuesAndOthersAreFreed) {
   std::vector<std::weak_ptr<const Snapshot>> superseded;
   const auto begin = std::chrono::steady_clock::now();
   const auto until = begin + std::chrono::duration<double>(hold_seconds());
-  for (std::uint64_t n = 0; n < 1000 || std::chrono::steady_clock::now() < until; ++n) {
+  for (std::uint64_t n = 0; n < 400 || std::chrono::steady_clock::now() < until; ++n) {
     const auto applied = scene.apply(step(n));
     ASSERT_TRUE(applied) << applied.error().message;
     if (applied->merge_trees) scene.merge_trees();

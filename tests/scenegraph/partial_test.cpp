@@ -19,7 +19,7 @@ using accel::geometry::Hit;
 using accel::geometry::HitState;
 using accel::geometry::Ray;
 
-constexpr std::size_t kRays = 3000;
+constexpr std::size_t kRays = 1500;
 
 std::shared_ptr<const revision::Snapshot> cold_scene() {
   return tests::snapshot_of(tests::random_hierarchy(200, tests::Frames::kRigid, 3));
@@ -99,11 +99,11 @@ TEST(Partial, AnAnswerIsFullOrMarked) {
   ASSERT_TRUE(trace(*reference, rays, expected, {}));
   std::vector<RayTally> counts(kRays);
   ASSERT_TRUE(count_hits(*reference, rays, counts, {}));
-  for (int pause = 0; pause < 40; ++pause) {
+  for (int pause = 0; pause < 12; ++pause) {
     const auto snapshot = cold_scene();
     std::atomic<bool> stopped{false};
     std::thread stopping([&] {
-      for (int i = 0; i < pause * 50; ++i) std::this_thread::yield();
+      for (int i = 0; i < pause * 80; ++i) std::this_thread::yield();
       stopped = true;
     });
     std::vector<Hit> hits(kRays);

@@ -234,7 +234,7 @@ TEST(Merge, MissesNoChangeWhileTreesAreDropped) {
     here.push_back({{50.05 + 0.1 * i, 0.2, 9}, {0, 0, -1}});
     there.push_back({{-49.95 + 0.1 * i, 0.2, 9}, {0, 0, -1}});
   }
-  for (int round = 0; round < 40; ++round) {
+  for (int round = 0; round < 16; ++round) {
     Scene scene;
     add_row(scene, 3000);
     const std::vector<Hit> before = hits_in(*scene.snapshot(), here);
@@ -250,7 +250,7 @@ TEST(Merge, MissesNoChangeWhileTreesAreDropped) {
       scene.merge_trees();
     });
     while (!begun) tests::sleep_shortly();
-    for (int i = 0; i < 10 * round; ++i) std::this_thread::yield();
+    for (int i = 0; i < 25 * round; ++i) std::this_thread::yield();
     if (round % 2 == 0) scene.drop_trees();
     ASSERT_TRUE(scene.apply({model::SetTransforms{{5}, {at(-50)}}}));
     merging.join();
@@ -310,7 +310,7 @@ TEST(Merge, KeepsHitsCorrectAmongAnyUpdates) {
     for (const tests::Frames frames : {tests::Frames::kRigid, tests::Frames::kFar}) {
       RandomHistory history({.small_tree = at_once == 4096 ? 64u : 0u, .at_once = at_once}, frames,
                             ++seed);
-      for (std::uint64_t round = 0; round < 120; ++round) {
+      for (std::uint64_t round = 0; round < 60; ++round) {
         history.step();
         const auto snapshot = history.scene().snapshot();
         most_trees = std::max(most_trees, snapshot->shared_trees().levels.size());
