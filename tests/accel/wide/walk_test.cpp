@@ -272,9 +272,7 @@ TEST_P(OnEveryMesh, EveryHitIsListedAndCounted) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Every, OnEveryMesh,
-                         ::testing::Combine(tests::every_simd_target(),
-                                            ::testing::Range(std::size_t{0},
-                                                             tests::walk_meshes().size())),
+                         tests::alternating_simd_targets(tests::walk_meshes().size()),
                          [](const auto& test) {
                            return std::string(hwy::TargetName(std::get<0>(test.param))) + "_" +
                                   tests::walk_meshes()[std::get<1>(test.param)].name;
