@@ -267,10 +267,10 @@ kdtree::Slot grow(const GrowContext& context, kdtree::ReferenceList list,
   Subtrees finished(context);
   Grown grown;
   {
-    GrowingBytes held(context.tree, list.bytes());
-    kdtree::ReferenceList freed = std::move(list);
-    ReferenceStack lists(context.tree, freed.size(), waiting_below(freed.size(), path));
-    grown = Growth(context).grow(freed.all(), cell, path, nullptr, {lists, finished, counters});
+    const GrowingBytes held(context.tree, list.bytes());
+    kdtree::ReferenceList refs = std::move(list);  // freed at the end of this block
+    ReferenceStack lists(context.tree, refs.size(), waiting_below(refs.size(), path));
+    grown = Growth(context).grow(refs.all(), cell, path, nullptr, {lists, finished, counters});
   }
   return finished.compile(grown);
 }

@@ -3,7 +3,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <span>
 
 #include "accel/geometry/triangle_mesh.h"
 #include "accel/kdtree/kd_tree.h"
