@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "accel/lazy/lazy_tree.h"
 #include "tests/scenegraph/revision/row_of_nodes.h"
 #include "tests/support/random.h"
 
