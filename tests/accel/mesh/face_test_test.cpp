@@ -48,8 +48,8 @@ std::vector<Ray> packet_rays_for(const TestMesh& mesh) {
 }
 
 /// A mesh, rays at it, and what the rule answers to each question.
-struct Case {
-  explicit Case(TestMesh of) : mesh(std::move(of)), rays(packet_rays_for(mesh)) {
+struct AskedMesh {
+  explicit AskedMesh(TestMesh of) : mesh(std::move(of)), rays(packet_rays_for(mesh)) {
     for (const PacketQuestion& question : kPacketQuestions) {
       std::vector<PacketAnswer>& answers = expected.emplace_back();
       for (const Ray& ray : rays) answers.push_back(search(mesh, ray, question));
@@ -74,7 +74,8 @@ void grow(MeshTree& tree, std::span<const Ray> rays) {
 }
 
 /// Asks in packets of all sizes, each question.
-void expect_exact(MeshTree& tree, const Case& of, OnDeferred on_deferred = OnDeferred::kExpand) {
+void expect_exact(MeshTree& tree, const AskedMesh& of,
+                  OnDeferred on_deferred = OnDeferred::kExpand) {
   for (std::size_t q = 0; q < of.expected.size(); ++q) {
     std::size_t size = 1, hits = 0;
     for (std::size_t i = 0; i < of.rays.size(); i += size, size = size % wide::kLanes + 1) {
@@ -97,7 +98,7 @@ void expect_exact(MeshTree& tree, const Case& of, OnDeferred on_deferred = OnDef
 
 /// A ray that has met no deferred cell has its answer; before the first ray, all that enter meet
 /// one.
-void expect_skipped_cells_are_reported(MeshTree& untouched, MeshTree& half, const Case& of) {
+void expect_skipped_cells_are_reported(MeshTree& untouched, MeshTree& half, const AskedMesh& of) {
   for (std::size_t q = 0; q < of.expected.size(); ++q) {
     for (std::size_t i = 0; i < of.rays.size(); i += wide::kLanes) {
       const auto part = std::span(of.rays).subspan(i, std::min(wide::kLanes, of.rays.size() - i));
@@ -117,7 +118,7 @@ void expect_skipped_cells_are_reported(MeshTree& untouched, MeshTree& half, cons
   EXPECT_TRUE(untouched.untouched());
 }
 
-void expect_all_is_built(MeshTree& finished, const Case& of) {
+void expect_all_is_built(MeshTree& finished, const AskedMesh& of) {
   AskedPacket asked(std::span<const Ray>(of.rays).first(wide::kLanes), {});
   asked.cells.on_deferred = OnDeferred::kSkip;
   asked.ask(finished);
@@ -130,7 +131,7 @@ INSTANTIATE_TEST_SUITE_P(Every, FaceTests, tests::every_simd_target(), tests::si
 
 TEST_P(FaceTests, HoweverMuchOfTheTreeIsBuilt) {
   for (TestMesh& mesh : meshes()) {
-    const Case of(std::move(mesh));
+    const AskedMesh of(std::move(mesh));
     const auto grown = tree_over(of.mesh), paid = tree_over(of.mesh), half = tree_over(of.mesh),
                untouched = tree_over(of.mesh), finished = tree_over(of.mesh);
     expect_exact(*grown, of);
@@ -152,7 +153,7 @@ TEST_P(FaceTests, InTreesThatAreBuiltWhole) {
   plain.blocks = false;
   const std::vector<published::AnyBuilder> builders{published::KdBuilder(plain),
                                                     *published::make_builder("bvh-sweep")};
-  const Case of(tests::random_soup(1500, 0.08, 1));
+  const AskedMesh of(tests::random_soup(1500, 0.08, 1));
   for (const published::AnyBuilder& builder : builders)
     expect_exact(*tree_over(of.mesh, builder), of);
 }

@@ -20,8 +20,8 @@ using geometry::Ray;
 using geometry::Vec3d;
 using tests::Random;
 
-class Transform : public tests::OnSimdTarget {};
-INSTANTIATE_TEST_SUITE_P(Every, Transform, tests::every_simd_target(), tests::simd_target_name);
+class Transforms : public tests::OnSimdTarget {};
+INSTANTIATE_TEST_SUITE_P(Every, Transforms, tests::every_simd_target(), tests::simd_target_name);
 
 std::uint64_t bits(double x) { return std::bit_cast<std::uint64_t>(x); }
 
@@ -126,7 +126,7 @@ void expect_equal(const Rays& rays, std::uint32_t good, std::size_t lane, const 
 
 std::uint32_t first_lanes(std::size_t count) { return (2u << (count - 1)) - 1; }
 
-TEST_P(Transform, ReadsRaysInColumnsAndRepeatsTheLast) {
+TEST_P(Transforms, ReadsRaysInColumnsAndRepeatsTheLast) {
   Random random(1);
   const auto given = std::make_unique<GivenRays>();
   for (std::size_t turn = 0; turn < 200; ++turn) {
@@ -144,7 +144,7 @@ TEST_P(Transform, ReadsRaysInColumnsAndRepeatsTheLast) {
   }
 }
 
-TEST_P(Transform, RaysInAFrameEqualSingleOnes) {
+TEST_P(Transforms, RaysInAFrameEqualSingleOnes) {
   Random random(2);
   const auto given = std::make_unique<GivenRays>();
   const auto transformed_rays = std::make_unique<Rays>();
@@ -167,7 +167,7 @@ TEST_P(Transform, RaysInAFrameEqualSingleOnes) {
   EXPECT_GT(counts.refused, 1000u);
 }
 
-TEST_P(Transform, RaysAroundACenterEqualSingleOnes) {
+TEST_P(Transforms, RaysAroundACenterEqualSingleOnes) {
   Random random(3);
   const auto given = std::make_unique<GivenRays>();
   const auto centered = std::make_unique<Rays>();
@@ -196,7 +196,7 @@ TEST_P(Transform, RaysAroundACenterEqualSingleOnes) {
   EXPECT_GT(limits.refused, 100u);
 }
 
-TEST_P(Transform, LimitsStayTheSame) {
+TEST_P(Transforms, LimitsStayTheSame) {
   Random random(4);
   const auto given = std::make_unique<GivenRays>();
   const auto transformed_rays = std::make_unique<Rays>(), centered = std::make_unique<Rays>();
@@ -212,7 +212,7 @@ TEST_P(Transform, LimitsStayTheSame) {
   }
 }
 
-TEST_P(Transform, OnlyTheLanesThatAreAskedFor) {
+TEST_P(Transforms, OnlyTheLanesThatAreAskedFor) {
   const std::vector<Ray> rays(kLanes, Ray{{1, 2, 3}, {4, 5, 6}});
   const auto given = std::make_unique<GivenRays>();
   const auto out = std::make_unique<Rays>();
@@ -225,7 +225,7 @@ TEST_P(Transform, OnlyTheLanesThatAreAskedFor) {
   }
 }
 
-TEST_P(Transform, EveryKindOfBadComponentIsRefused) {
+TEST_P(Transforms, EveryKindOfBadComponentIsRefused) {
   const auto given = std::make_unique<GivenRays>();
   const double nan = std::nan("");
   for (std::size_t number = 0; number < 8; ++number) {
