@@ -104,11 +104,13 @@ inline std::vector<NearestHit> nearest_without_tree(const TestMesh& mesh,
   return hits;
 }
 
-/// The nearest hits of rays in a mesh's full and growing trees, by every builder, are those that
+/// The nearest hits of rays in a mesh's full and growing trees, by these builders, are those that
 /// are found without a tree.
-inline void expect_right(const TestMesh& mesh, const std::vector<accel::geometry::Ray>& rays) {
+inline void expect_right(
+    const TestMesh& mesh, const std::vector<accel::geometry::Ray>& rays,
+    const std::vector<std::string_view>& builders = accel::published::builder_names()) {
   const std::vector<NearestHit> expected = nearest_without_tree(mesh, rays);
-  for (const std::string_view builder : accel::published::builder_names()) {
+  for (const std::string_view builder : builders) {
     AskedTree full(mesh, builder), growing(mesh, builder);
     full.build();
     for (std::size_t i = 0; i < rays.size(); ++i) {

@@ -55,16 +55,17 @@ TEST_P(HardMeshHits, FullAndGrowingTreesAgree) {
   expect_right(mesh, rays);
 }
 
-/// The same lines, begun as far away as rays are valid.
+/// The lines of those rays, begun as far away as rays are valid. One builder stands for each form
+/// of tree: plain trees answer such rays slowly, as their boxes are met with large errors.
 TEST_P(HardMeshHits, OfRaysFromAfarAreRight) {
   const TestMesh mesh = make(kMeshSize, kMeshSeed);
-  std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, kSample, kMeshSeed);
+  std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, 2 * kHardRayKinds, kMeshSeed);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     accel::geometry::Ray& ray = rays[i];
     ray.direction = ray.direction * (1 / accel::geometry::max_norm(ray.direction));
-    ray.origin = ray.origin - ray.direction * std::exp2(56 + static_cast<double>(3 * i % 190));
+    ray.origin = ray.origin - ray.direction * std::exp2(56 + static_cast<double>(11 * i % 190));
   }
-  expect_right(mesh, rays);
+  expect_right(mesh, rays, {"scan-fast", "scan-best", "sah-sweep", "bvh-sweep"});
 }
 
 /// No triangle, one triangle, two, ...: the smallest meshes.
