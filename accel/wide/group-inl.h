@@ -106,10 +106,10 @@ class Group {
 
   void visit_block(Entry entry) {
     const std::uint32_t* const words = entry.at.block();
-    std::uint32_t lanes = entry.lanes;
     const blocks::Block block(words);
-    walked_.counters.tests += block.triangles * static_cast<std::uint64_t>(std::popcount(lanes));
-    count(lanes, block.triangles);
+    walked_.counters.tests +=
+        block.triangles * static_cast<std::uint64_t>(std::popcount(entry.lanes));
+    count(entry.lanes, block.triangles);
     const float *x = block.x + x_ * block.vertices, *y = block.x + y_ * block.vertices,
                 *z = block.x + z_ * block.vertices;
     // For fewer triangles, finding which to leave out takes as long as testing them.
@@ -117,7 +117,7 @@ class Group {
     std::uint32_t left = block.triangles < kMany ? (2u << (block.triangles - 1)) - 1
                                                  : view_.possible(block, x, y, z);
     bool nearer = false;
-    for (; left != 0 && lanes != 0; left &= left - 1) {
+    for (; left != 0 && entry.lanes != 0; left &= left - 1) {
       const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
       std::array<Corner, 3> corners;
       for (std::size_t k = 0; k < 3; ++k) {
@@ -128,10 +128,10 @@ class Group {
       const auto load = [](const Column<float>& column) { return Floats::load(column.data()); };
       Verdict verdict;
       if (!judge(corners, {load(rays.error), load(rays.low), load(rays.high), load(rays.cull)},
-                 lanes, verdict))
+                 entry.lanes, verdict))
         continue;
       nearer |= take(words, i, verdict);
-      if constexpr (kGoal == Goal::kAny) lanes &= ~packet_.best->found;
+      if constexpr (kGoal == Goal::kAny) entry.lanes &= ~packet_.best->found;
     }
     if (!nearer) return;
     if constexpr (kGoal == Goal::kEvery) {
