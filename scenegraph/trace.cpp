@@ -32,7 +32,6 @@ using accel::geometry::HitColumns;
 using accel::geometry::Ray;
 using accel::geometry::RayColumns;
 using accel::kdtree::EpochPin;
-using accel::lazy::WhenPending;
 using accel::wide::kLanes;
 using query::Caster;
 using query::RayBlock;
@@ -73,8 +72,8 @@ Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
     Caster caster(pin, trees, kind, options);
     std::optional<query::FrustumCaster> frustums;
     if (hits != nullptr) frustums.emplace(pin, trees, options, rays, *hits);
-    const auto cast = [&](const RayPacket& packet, WhenPending when_pending) {
-      const std::uint32_t answered = caster.cast(rays, packet, when_pending);
+    const auto cast = [&](const RayPacket& packet, bool waits) {
+      const std::uint32_t answered = caster.cast(rays, packet, waits);
       if (answered != 0) keep(caster, packet.first, answered);
       return packet.lanes & ~answered;
     };
@@ -83,7 +82,7 @@ Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
          i += kLanes) {
       RayPacket packet{i, std::min(kLanes, block.end - i)};
       if (frustums && frustums->answers(packet, block.end)) continue;
-      packet.lanes = cast(packet, WhenPending::kReturn);
+      packet.lanes = cast(packet, /*waits=*/false);
       if (packet.lanes != 0) postponed.push_back(packet);
     }
     query::answer_postponed(postponed, caster, options.cancelled, cast);
@@ -103,7 +102,7 @@ TraceStats list_block(const instances::OpenTrees& trees, const RayColumns& rays,
   for (std::size_t i = block.first; i < block.end; i += kLanes) {
     if (is_cancelled(options.cancelled)) break;
     const RayPacket packet{i, std::min(kLanes, block.end - i)};
-    const std::uint32_t answered = caster.cast(rays, packet, WhenPending::kWait);
+    const std::uint32_t answered = caster.cast(rays, packet, /*waits=*/true);
     for (std::uint32_t left = answered; left != 0; left &= left - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(left));
       tallies[i + lane] = caster.list(lane, hits);

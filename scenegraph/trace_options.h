@@ -8,6 +8,7 @@
 
 #include "accel/geometry/facing.h"
 #include "accel/geometry/ray.h"
+#include "accel/lazy/growth.h"
 
 namespace sightline::scenegraph {
 
@@ -25,17 +26,7 @@ enum class QueryKind : std::uint8_t {
   kAll,      ///< Every hit by (t, node, primitive), each (node, primitive) once.
 };
 
-/// How much tree a batch may grow.
-enum class Growth : std::uint8_t {
-  kFirstTouch,  ///< The first ray that enters a cell expands it.
-  /// A cell of a mesh is expanded once searching it has cost rays, or will cost this batch, as much
-  /// as expanding it; a cell of the scene's own trees by the first ray.
-  kDemand,
-  kFull,       ///< Everything is built before the first ray.
-  kNone,       ///< Nothing is grown; deferred cells are searched triangle by triangle.
-  kBuiltOnly,  ///< Nothing is grown and deferred cells are skipped. Shows what exists; not an
-               ///< answer to a query.
-};
+using accel::lazy::Growth;
 
 struct TraceOptions {
   QueryKind kind = QueryKind::kClosest;  ///< For trace(): kClosest or kAny.

@@ -1,6 +1,7 @@
 // A reference: the weighted box of a primitive. Builders scan and sift lists of references.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -32,6 +33,18 @@ struct Reference {
   bool openable() const { return (id & kOpenable) != 0; }
 };
 static_assert(sizeof(Reference) == 32);
+
+/// The union of the boxes of references; empty for none.
+inline geometry::Aabb bounds_of(std::span<const Reference> refs) {
+  geometry::Aabb box;
+  for (const Reference& ref : refs) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      box.lo[axis] = std::min(box.lo[axis], ref.lo[axis]);
+      box.hi[axis] = std::max(box.hi[axis], ref.hi[axis]);
+    }
+  }
+  return box;
+}
 
 inline double total_weight(std::span<const Reference> refs) {
   std::uint64_t sum = 0;

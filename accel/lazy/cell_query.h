@@ -9,20 +9,12 @@
 
 #include "accel/kdtree/epoch.h"
 #include "accel/kdtree/ref_counted.h"
+#include "accel/lazy/growth.h"
 #include "accel/lazy/lazy_tree.h"
 
 namespace sightline::accel::lazy {
 
-/// What a walk does at a cell that is not built.
-enum class OnDeferred : std::uint8_t {
-  kExpand,  ///< Build it, or help to; search its list while other threads build a small one.
-  kDemand,  ///< As kExpand where that pays (LazyTree::searches), else as kScan.
-  kWait,    ///< In trees over faces, wait there (CellQuery::awaited); in others as kExpand.
-  kScan,    ///< Do not expand; test the references whose boxes the ray meets.
-  kSkip,    ///< Skip it.
-};
-
-/// Where a ray waits (OnDeferred::kWait).
+/// Where a sample ray waits.
 struct Awaited {
   LazyTree* tree = nullptr;            ///< Null: it does not wait.
   kdtree::AtomicSlot* slot = nullptr;  ///< Null: it waits for all of a tree that rays have paid for
@@ -31,12 +23,13 @@ struct Awaited {
 
 /// The part of a query that concerns cells that are not built.
 struct CellQuery {
-  OnDeferred on_deferred = OnDeferred::kExpand;
-  WhenPending when_pending = WhenPending::kWait;
-  /// With OnDeferred::kWait: where rays have stopped.
-  Awaited awaited;
-  /// With WhenPending::kReturn: of the large cell, built by other threads, at which rays have
-  /// stopped last. Ask again when it has increased.
+  Growth growth = Growth::kFirstTouch;
+  bool waits = true;  ///< See LazyTree::expand.
+  /// Whether the rays are samples, which stop at cells over faces.
+  bool samples = false;
+  Awaited awaited;  ///< Where samples have stopped.
+  /// If it does not wait: of the large cell, built by other threads, at which rays have stopped
+  /// last. Ask again when it has increased.
   std::uint64_t progress = 0;
   /// The walking thread's pin; renewed after cells were built, so that their old lists are freed.
   /// Null: it is not renewed.
@@ -62,8 +55,8 @@ struct CellQuery {
   }
 };
 
-/// While it lives, the tree that the query walks belongs to `owner`, which the thread's pin keeps
-/// alive until it is renewed.
+/// While it lives, the tree that the query walks belongs to `owner`. The thread's pin keeps the
+/// owner alive; before the pin is renewed, the query joins the owner.
 class OwnedTree {
  public:
   OwnedTree(CellQuery& query, kdtree::RefCounted& owner) : query_(query) { query_.owner = &owner; }

@@ -116,9 +116,12 @@ double share_reached(std::span<const CellPassage> passages, double rays_each,
   return share;
 }
 
-/// The root's is that of a path. Rays that come to a cell below have paid for those above: one of
-/// half of the root's weight costs an eighth for each reference, and one of a third or less is
-/// expanded by the first ray that comes.
+/// Returns what rays must have spent on searching the cell before it is expanded. The root costs
+/// kPathCost for each reference: the path of one ray down to leaf blocks. Rays that come to a cell
+/// below have paid for the cells above it, so its cost for each reference falls with the cube of
+/// its share of the root's weight: at half of the weight it is an eighth of kPathCost, and at a
+/// third or less the first ray expands the cell. Evicted cells, cells that are built at once, and
+/// cells whose triangles overlap have costs of their own.
 std::uint64_t LazyTree::cost_of_expanding(const kdtree::DeferredCell& cell) const {
   // Rays that have paid for what was evicted have not paid for building it again.
   if (cell.evicted && !context_.is_eager(cell)) return kPathCost * cell.size;
@@ -179,12 +182,10 @@ bool LazyTree::is_overlapping(const kdtree::DeferredCell& root,
   return known == Known::kYes;
 }
 
-CellDecision LazyTree::decide(const kdtree::DeferredCell& cell,
-                              std::span<const geometry::LocalRay> waiting, double rays_each,
-                              kdtree::BuildCounters& counters) const {
-  const double rays = rays_each * static_cast<double>(waiting.size());
-  if (!pays(cell, rays, counters)) return CellDecision::kSearch;
-  if (cell.whole || context_.is_eager(cell)) return CellDecision::kExpand;
+bool LazyTree::pays_for_all(const kdtree::DeferredCell& cell,
+                            std::span<const geometry::LocalRay> waiting, double rays_each,
+                            kdtree::BuildCounters& counters) const {
+  if (cell.whole || context_.is_eager(cell)) return false;
   std::vector<CellPassage> passages;
   passages.reserve(waiting.size());
   for (const geometry::LocalRay& ray : waiting) passages.push_back(passage(ray, cell.box));
@@ -192,8 +193,9 @@ CellDecision LazyTree::decide(const kdtree::DeferredCell& cell,
       shares_of(sample(CellReader(context_.source, cell, counters), counters), cell.box);
   const double blocks = static_cast<double>(cell.weight) / static_cast<double>(grow::kBlockCell);
   const double share = share_reached(passages, rays_each, shares, blocks);
-  const bool most = share >= kFinishShare && rays >= static_cast<double>(kFinishCost) * share;
-  return most && context_.may_build_ahead() ? CellDecision::kFinish : CellDecision::kExpand;
+  const double rays = rays_each * static_cast<double>(waiting.size());
+  return share >= kFinishShare && rays >= static_cast<double>(kFinishCost) * share &&
+         context_.may_build_ahead();
 }
 
 void LazyTree::count_rays(std::uint64_t rays) {

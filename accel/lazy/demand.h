@@ -30,11 +30,4 @@ using PartShares = std::array<double, kParts * kParts * kParts>;
 double share_reached(std::span<const CellPassage> passages, double rays_each,
                      const PartShares& shares, double blocks);
 
-/// What to do with a cell at which rays wait.
-enum class CellDecision : std::uint8_t {
-  kSearch,  ///< They search its list.
-  kExpand,  ///< It is expanded, and what it becomes is decided by the rays that go on.
-  kFinish,  ///< Its whole subtree is built.
-};
-
 }  // namespace sightline::accel::lazy

@@ -60,12 +60,21 @@ PassSlice sift(const CellReader& reader, std::size_t slice, const grow::CellCut&
   }
   const auto part = [&](std::span<const kdtree::Reference> refs, const kdtree::ChildScan* scan) {
     return ListPart{kdtree::ReferenceList(refs), scan != nullptr ? *scan : kdtree::ChildScan{},
-                    reader.openable()};
+                    reader.openable(), kdtree::bounds_of(refs)};
   };
   sides.parts.reserve(2);
   sides.parts.push_back(part(left.first(n.left), scans ? &scans->left : nullptr));
   sides.parts.push_back(part(right.first(n.right), scans ? &scans->right : nullptr));
   return sides;
+}
+
+/// What of a list with these bounds lies in a cell.
+geometry::Aabb within(geometry::Aabb bounds, const geometry::Aabb& cell) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    bounds.lo[axis] = std::max(bounds.lo[axis], cell.lo[axis]);
+    bounds.hi[axis] = std::min(bounds.hi[axis], cell.hi[axis]);
+  }
+  return bounds;
 }
 
 /// One division of one cell.
@@ -132,6 +141,7 @@ class Dividing {
                                       NewLists& lists) {
     auto cell = std::make_unique<DeferredCell>();
     cell->box = box;
+    division.boxes.push_back(within(lists.bounds(division.cells.size()), box));
     lists.move_to(*cell, division.cells.size());
     return *division.cells.emplace_back(std::move(cell));
   }
@@ -255,34 +265,35 @@ class Dividing {
 };
 
 /// Cuts the heaviest of the new cells again until a node is full, and opens nothing.
-void fill_node(const TreeContext& context, Division& division, Passes& passes) {
+void fill_node(const TreeContext& context, Division& division, Passes& passes,
+               std::uint64_t fill_above) {
   auto& cells = division.cells;
-  std::vector<const DeferredCell*> kept;  // no cut of these is made
+  std::vector<bool> stays(cells.size(), false);  // no cut of these is made
   while (cells.size() < kdtree::kWidth) {
-    const auto weight_to_cut = [&](const std::unique_ptr<DeferredCell>& cell) {
-      const bool is_kept = std::find(kept.begin(), kept.end(), cell.get()) != kept.end();
-      return cell->weight > kEagerBelow && !is_kept ? cell->weight : 0;
-    };
-    const auto heaviest = std::max_element(cells.begin(), cells.end(), [&](auto& a, auto& b) {
-      return weight_to_cut(a) < weight_to_cut(b);
-    });
-    if (weight_to_cut(*heaviest) == 0) return;
-    std::optional<Division> again = Dividing(context, **heaviest, passes).cut_by_plane();
-    if (again) {
-      *heaviest = std::move(again->cells[0]);
-      cells.push_back(std::move(again->cells[1]));
-    } else {
-      kept.push_back(heaviest->get());
+    std::size_t heaviest = cells.size();
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      const bool may_cut = !stays[i] && cells[i]->weight > fill_above;
+      if (may_cut && (heaviest == cells.size() || cells[i]->weight > cells[heaviest]->weight))
+        heaviest = i;
     }
+    if (heaviest == cells.size()) return;
+    std::optional<Division> again = Dividing(context, *cells[heaviest], passes).cut_by_plane();
+    stays[heaviest] = !again;
+    if (!again) continue;
+    cells[heaviest] = std::move(again->cells[0]);
+    division.boxes[heaviest] = again->boxes[0];
+    cells.push_back(std::move(again->cells[1]));
+    division.boxes.push_back(again->boxes[1]);
+    stays.push_back(false);
   }
 }
 
 }  // namespace
 
-Division divide(const TreeContext& context, const DeferredCell& cell, Passes passes) {
+Division divide(const TreeContext& context, const DeferredCell& cell, Passes passes,
+                std::uint64_t fill_above) {
   Division division = Dividing(context, cell, passes).divide();
-  const bool is_short = cell.has_list && cell.list.slices() == 1;
-  if (division.is_cut && is_short && context.mesh == nullptr) fill_node(context, division, passes);
+  if (division.is_cut) fill_node(context, division, passes, fill_above);
   return division;
 }
 

@@ -19,20 +19,6 @@ namespace {
 
 using kdtree::DeferredCell;
 
-/// What of a cell's list lies in the cell.
-geometry::Aabb bounds_in(const DeferredCell& cell) {
-  geometry::Aabb box;
-  cell.list.any_part([&](std::span<const kdtree::Reference> refs) {
-    for (const kdtree::Reference& ref : refs) box.grow(ref.bounds());
-    return false;
-  });
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    box.lo[axis] = std::max(box.lo[axis], cell.box.lo[axis]);
-    box.hi[axis] = std::min(box.hi[axis], cell.box.hi[axis]);
-  }
-  return box;
-}
-
 bool is_large(const DeferredCell& cell) { return !cell.has_list || cell.size >= kdtree::kLongList; }
 
 std::uint64_t list_bytes(const Division& division) {
@@ -86,16 +72,16 @@ void Expansion::publish(DeferredCell& cell, kdtree::Slot next) {
   counters_.trees_begun += is_root ? 1 : 0;
 }
 
-AtCell Expansion::expand(WhenPending when_pending) {
+AtCell Expansion::expand(bool waits) {
   const kdtree::Slot now = kdtree::load(slot_);
   if (!now.is_deferred()) return AtCell::kAdvance;
   DeferredCell& cell = *now.cell();
   if (is_set(cancelled_)) return AtCell::kSearch;
-  if (now.is_expanding()) return wait_for_owner(cell, when_pending);
+  if (now.is_expanding()) return wait_for_owner(cell, waits);
   const bool at_once =
       cell.whole || (context_.is_eager(cell) && (cell.has_list || context_.makes_blocks));
   try {
-    if (is_large(cell) && !at_once) return expand_shared(cell, when_pending);
+    if (is_large(cell) && !at_once) return expand_shared(cell, waits);
     if (!claim(cell))
       return kdtree::load(slot_) == kdtree::Slot::expanding(&cell) ? AtCell::kSearch
                                                                    : AtCell::kAdvance;
@@ -108,9 +94,9 @@ AtCell Expansion::expand(WhenPending when_pending) {
 
 /// Another thread has claimed the cell. Searching a short list takes less time than waiting for it.
 /// A long list, claimed by a full build, is only searched if the thread makes no progress.
-AtCell Expansion::wait_for_owner(const DeferredCell& cell, WhenPending when_pending) {
+AtCell Expansion::wait_for_owner(const DeferredCell& cell, bool waits) {
   if (!is_large(cell)) return AtCell::kSearch;
-  if (when_pending == WhenPending::kReturn) return AtCell::kStop;
+  if (!waits) return AtCell::kStop;
   for (StallDetector stall_detector; !is_set(cancelled_) && stall_detector.wait(0);) {
     if (kdtree::load(slot_) != kdtree::Slot::expanding(&cell)) return AtCell::kAdvance;
   }
@@ -119,7 +105,7 @@ AtCell Expansion::wait_for_owner(const DeferredCell& cell, WhenPending when_pend
 
 /// The first thread runs the passes to their end. Others help, and run them, too, if it seems to be
 /// stopped.
-AtCell Expansion::expand_shared(DeferredCell& cell, WhenPending when_pending) {
+AtCell Expansion::expand_shared(DeferredCell& cell, bool waits) {
   passes_ = &passes_of(cell, *context_.source);
   const PassChain::Wanted wanted(*passes_);
   const auto has_changed = [&] { return kdtree::load(slot_) != kdtree::Slot::deferred(&cell); };
@@ -129,7 +115,7 @@ AtCell Expansion::expand_shared(DeferredCell& cell, WhenPending when_pending) {
     const bool helped = passes_->help(counters_, cancelled_);
     if (has_changed()) return AtCell::kAdvance;
     if (helped) continue;
-    if (when_pending == WhenPending::kReturn) return AtCell::kStop;
+    if (!waits) return AtCell::kStop;
     if (!stall_detector.wait(passes_->progress())) break;
   }
   if (!divide_cell(cell, Passes(*passes_, counters_, cancelled_))) mark_whole(cell);
@@ -156,11 +142,11 @@ bool Expansion::divide_cell(DeferredCell& cell, const Passes& passes) {
   const bool is_compact = cell.list.is_compact();
   const std::uint64_t bytes = cell.size * sizeof(kdtree::Reference);
   grow::GrowingBytes growing(context_.tree, is_compact || is_large(cell) ? bytes : 0);
-  Division division = divide(context_, cell, passes);
+  Division division = divide(context_, cell, passes, fill_above(cell));
   if (is_compact && division.is_finer() && !(is_large(cell) && context_.has_capacity_for(bytes))) {
     const std::unique_ptr<DeferredCell> listed = std::move(division.cells[0]);
     growing.reach(2 * bytes);
-    division = divide(context_, *listed, Passes(counters_));
+    division = divide(context_, *listed, Passes(counters_), fill_above(cell));
   }
   if (!may_wait(division, cell)) return false;
   if (kdtree::load(slot_) != slot_of(cell)) return true;
@@ -177,8 +163,11 @@ bool Expansion::divide_cell(DeferredCell& cell, const Passes& passes) {
   return true;
 }
 
-/// Whether the new cells may wait in place of `cell`, beside all others: not if they are too long,
-/// nor if a large cell has a share of straddlers that those below will have.
+/// Whether the new cells may take the place of `cell` with their lists. If not, the subtree of
+/// `cell` is built at once. In a tree with a budget of references, they may not if all deferred
+/// cells with their lists would then exceed most_list_bytes(), or if the lists of the parts of a
+/// large cell hold a quarter more references than its own: further cuts are expected to add as
+/// many.
 bool Expansion::may_wait(const Division& division, const DeferredCell& cell) const {
   constexpr std::uint64_t kLargePart = 8, kStraddleShare = 4;
   if (context_.budget() == 0 || !division.is_cut) return true;
@@ -202,16 +191,22 @@ kdtree::Slot Expansion::make_slot(Division division, const DeferredCell& cell) {
   return subtrees.compile(subtrees.finish(list.all(), cell.box));
 }
 
+/// In trees over instances a short list becomes as many cells as a node holds, since rays come to
+/// most of them.
+std::uint64_t Expansion::fill_above(const DeferredCell& cell) const {
+  const bool is_short = cell.has_list && cell.list.slices() == 1;
+  return is_short && context_.mesh == nullptr ? std::min(kEagerBelow, fill_above_) : fill_above_;
+}
+
 kdtree::Slot Expansion::make_node(Division division) {
   assert(division.cells.size() <= kdtree::kWidth);
-  // A pass over the lists pays where rays meet many boxes at once.
-  const bool is_wide = division.cells.size() > 2;
   kdtree::WideNode* const node = context_.tree.make_node();
   std::size_t children = 0;
-  for (std::unique_ptr<DeferredCell>& cell : division.cells) {
+  for (std::size_t i = 0; i < division.cells.size(); ++i) {
+    std::unique_ptr<DeferredCell>& cell = division.cells[i];
     if (cell->size == 0) continue;
-    const geometry::Aabb box = is_wide ? bounds_in(*cell) : cell->box;
-    node->set_box(children, in_frame(context_.frame, box));
+    node->set_box(children,
+                  in_frame(context_.frame, division.boxes[i]));
     const kdtree::Slot slot = context_.tree.defer(std::move(cell));
     node->children[children++].store(slot.bits(), std::memory_order_relaxed);
   }

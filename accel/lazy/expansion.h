@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <limits>
 
 #include "accel/kdtree/kd_tree.h"
 #include "accel/lazy/divide.h"
@@ -16,15 +17,9 @@ enum class AtCell : std::uint8_t {
   kAdvance,  ///< The slot has changed: they read it again.
   kSearch,   ///< They search its list: another thread expands a small cell, or there is no room in
              ///< the memory of the trees.
-  kSkip,     ///< They skip it. No answer of a tree, but of a query that wants nothing there.
+  kSkip,     ///< They skip it. Only meet() returns this, for Growth::kBuiltOnly.
   kStop,     ///< They wait: other threads expand a large cell. They ask again when these have made
              ///< progress (LazyTree::progress), or wait elsewhere (CellQuery::awaited).
-};
-
-/// What to do when other threads expand a large cell and no work is left to help with.
-enum class WhenPending : std::uint8_t {
-  kReturn,  ///< Return kStop.
-  kWait,    ///< Sleep until they have made progress; if they seem to be stopped, do their work.
 };
 
 /// Most bytes of deferred cells and their lists for each reference of the root, in a tree with a
@@ -44,16 +39,22 @@ inline std::uint64_t most_list_bytes(const TreeContext& context) {
 /// Threads: one, pinned to an epoch, but for build_claimed().
 class Expansion {
  public:
-  /// All of these outlive it. `cancelled`: see LazyTree::expand.
+  /// All of these outlive it. `cancelled`: see LazyTree::expand. Cells above the weight `fill_above`
+  /// are wanted, so that a division cuts them again until a node is full.
   Expansion(TreeContext& context, kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
-            const std::atomic<bool>* cancelled)
-      : context_(context), slot_(slot), counters_(counters), cancelled_(cancelled) {}
+            const std::atomic<bool>* cancelled,
+            std::uint64_t fill_above = std::numeric_limits<std::uint64_t>::max())
+      : context_(context),
+        slot_(slot),
+        counters_(counters),
+        cancelled_(cancelled),
+        fill_above_(fill_above) {}
   ~Expansion() { release(); }
   Expansion(const Expansion&) = delete;
   Expansion& operator=(const Expansion&) = delete;
 
-  /// Takes the cell a step on. Throws std::bad_alloc.
-  AtCell expand(WhenPending when_pending);
+  /// Takes the cell a step on; `waits`: see LazyTree::expand. Throws std::bad_alloc.
+  AtCell expand(bool waits);
 
   /// Claims a cell of the slot. False if it is claimed already, or replaced.
   bool claim(kdtree::DeferredCell& cell);
@@ -70,12 +71,13 @@ class Expansion {
   kdtree::Slot slot_of(const kdtree::DeferredCell& cell) const;
   void release();
   void publish(kdtree::DeferredCell& cell, kdtree::Slot next);
-  AtCell wait_for_owner(const kdtree::DeferredCell& cell, WhenPending when_pending);
-  AtCell expand_shared(kdtree::DeferredCell& cell, WhenPending when_pending);
+  AtCell wait_for_owner(const kdtree::DeferredCell& cell, bool waits);
+  AtCell expand_shared(kdtree::DeferredCell& cell, bool waits);
   void expand_claimed(kdtree::DeferredCell& cell, bool at_once);
   bool divide_cell(kdtree::DeferredCell& cell, const Passes& passes);
   bool may_wait(const Division& division, const kdtree::DeferredCell& cell) const;
   kdtree::Slot make_slot(Division division, const kdtree::DeferredCell& cell);
+  std::uint64_t fill_above(const kdtree::DeferredCell& cell) const;
   kdtree::Slot make_node(Division division);
   grow::GrowContext grow_context() const;
 
@@ -83,6 +85,7 @@ class Expansion {
   kdtree::AtomicSlot& slot_;
   kdtree::BuildCounters& counters_;
   const std::atomic<bool>* cancelled_;
+  const std::uint64_t fill_above_;
   kdtree::DeferredCell* claimed_ = nullptr;
   PassChain* passes_ = nullptr;  ///< Those of a large cell.
 };

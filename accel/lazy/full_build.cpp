@@ -75,7 +75,7 @@ bool take_step(TreeContext& context, kdtree::DeferredCell& cell, Expansion& expa
     return true;
   }
   if (cell.whole || is_serial(context, cell, counters)) return expansion.claim(cell);
-  return expansion.expand(WhenPending::kWait) != AtCell::kSearch;
+  return expansion.expand(/*waits=*/true) != AtCell::kSearch;
 }
 
 }  // namespace
@@ -85,7 +85,7 @@ void complete(TreeContext& context, kdtree::AtomicSlot& slot, kdtree::BuildCount
   StallDetector stall_detector;
   for (;;) {
     if (is_set(cancelled) || !context.may_build_ahead()) return;
-    Expansion expansion(context, slot, counters, cancelled);
+    Expansion expansion(context, slot, counters, cancelled, kSerialBelow);
     bool has_changed = false;
     {
       const kdtree::EpochPin pin;  // for one step: a longer one would keep the lists of all cells

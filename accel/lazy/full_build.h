@@ -14,12 +14,16 @@ namespace sightline::accel::lazy {
 void complete(TreeContext& context, kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
               const std::atomic<bool>* cancelled);
 
-/// Whether a cancelled build has left the lists of its path, which take the room of others.
+/// Whether cells wait with long lists that a cancelled build left. Their bytes count towards
+/// most_list_bytes(), so they keep other cells from being divided.
 bool lists_are_left_over(const TreeContext& context);
 
-/// Builds the first such list, from left to right as the cancelled build would have gone on: one,
-/// so that a caller who is pinned can renew its pin and free it. False: there is none, or it is
-/// being built, or it does not come before that slot. Throws as complete().
+/// Builds the subtree of one such cell: the first before the slot `before`, or of all if that is
+/// null, in the order in which the cancelled build would have come to them. It skips cells that
+/// other threads are building. It builds only one, so that a pinned caller can renew its pin, which
+/// lets the cell's list be freed, before it calls again. Returns whether the cell's slot has
+/// changed; false, too, if there is no such cell, memory is short or `cancelled` is set. Throws
+/// what complete() throws.
 bool build_left_over(TreeContext& context, const kdtree::AtomicSlot* before,
                      kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled);
 

@@ -5,12 +5,12 @@
 
 namespace sightline::accel::lazy {
 
-AtCell LazyTree::expand(kdtree::AtomicSlot& slot, WhenPending when_pending,
-                        kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled) {
+AtCell LazyTree::expand(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
+                        const std::atomic<bool>* cancelled, bool waits) {
   const Timed timed(counters);
   const kdtree::Slot now = kdtree::load(slot);
   if (now.is_deferred() && !context_.may_grow(*now.cell())) return AtCell::kSearch;
-  return Expansion(context_, slot, counters, cancelled).expand(when_pending);
+  return Expansion(context_, slot, counters, cancelled).expand(waits);
 }
 
 std::uint64_t LazyTree::progress(const kdtree::AtomicSlot& slot) {

@@ -43,17 +43,21 @@ class LazyTree {
   /// Once `cancelled` is true, a thread leaves a large cell after a slice of it, with
   /// AtCell::kSearch, and a subtree that is built at once soon. What is done remains for the next
   /// ray.
-  AtCell expand(kdtree::AtomicSlot& slot, WhenPending when_pending, kdtree::BuildCounters& counters,
-                const std::atomic<bool>* cancelled = nullptr);
+  ///
+  /// Where other threads expand a large cell, and no work is left to help with, a thread that does
+  /// not wait returns AtCell::kStop. One that waits sleeps until they have made progress, and does
+  /// their work if they seem to be stopped.
+  AtCell expand(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
+                const std::atomic<bool>* cancelled = nullptr, bool waits = true);
 
   /// Whether its references are faces. Cells of other trees are always worth expanding: searching
   /// them would enter all that a ray meets, in any order.
   bool is_over_faces() const { return context_.mesh != nullptr; }
 
-  /// Called for rays that meet a cell. True: they search its list, which counts as spent, because
-  /// there is no room for more; or because that, with what was spent there before, costs less than
-  /// expanding it. The costs count `by_demand` in trees over faces, and always where the cell was
-  /// evicted.
+  /// Called for rays that meet a cell. Returns whether they search its list, and then counts what
+  /// that costs as spent: because memory is short, or because all that was spent there is still less
+  /// than the cost of expanding it. Costs are compared `by_demand` in trees over faces, and always
+  /// where the cell was evicted.
   bool searches(const kdtree::DeferredCell& cell, std::uint64_t rays, bool by_demand,
                 kdtree::BuildCounters& counters);
 
@@ -65,12 +69,12 @@ class LazyTree {
   /// Whether rays search it, as that has cost less than growing the tree.
   bool searches_hierarchy(const kdtree::DeferredCell& cell) const;
 
-  /// As above, for rays of a batch that wait at the cell, each of which stands for several. Spends
-  /// nothing.
-  CellDecision decide(const kdtree::DeferredCell& cell, std::span<const geometry::LocalRay> waiting,
-                      double rays_each, kdtree::BuildCounters& counters) const;
-  /// Whether that is another than to search, for this number of rays.
+  /// Whether this number of rays of a batch pays for expanding the cell. Spends nothing.
   bool pays(const kdtree::DeferredCell& cell, double rays, kdtree::BuildCounters& counters) const;
+  /// Whether rays that pay for a cell, and each of which stands for several, reach so much of it
+  /// that its whole subtree is built (finish).
+  bool pays_for_all(const kdtree::DeferredCell& cell, std::span<const geometry::LocalRay> waiting,
+                    double rays_each, kdtree::BuildCounters& counters) const;
 
   /// Counts rays that walk the tree, while it is not complete.
   void count_rays(std::uint64_t rays);

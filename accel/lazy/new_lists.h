@@ -26,10 +26,13 @@ class NewLists {
       ListPart& part = slice.parts[i];
       parts_[i].first += part.first;
       parts_[i].openable |= part.openable;
+      parts_[i].bounds.grow(part.bounds);
       later_[i].push_back(std::move(part.list));
     }
   }
 
+  /// See ListPart::bounds.
+  const geometry::Aabb& bounds(std::size_t i) const { return parts_[i].bounds; }
   const Straddling& straddling() const { return straddling_; }
 
   /// Gives list i to a cell. Call it once for each list. Throws std::bad_alloc.

@@ -22,8 +22,9 @@ class SplitTree;  // split_tree.h
 /// What a slice adds to the list of one new cell.
 struct ListPart {
   kdtree::ReferenceList list;
-  kdtree::ChildScan first;  ///< The counts of the first pass over the list, if they were made.
-  bool openable = false;    ///< Whether references of the list may be openable.
+  kdtree::ChildScan first{};  ///< The counts of the first pass over the list, if they were made.
+  bool openable = false;      ///< Whether references of the list may be openable.
+  geometry::Aabb bounds{};    ///< Of the list, if it was sifted.
 };
 
 /// References on both sides of a plane, before clipping.

@@ -93,7 +93,9 @@ std::vector<ListPart> SplitTree::sift(std::span<kdtree::Reference> refs, kdtree:
   const auto follow = [&](const auto& self, const Child& child, std::span<kdtree::Reference> list,
                           kdtree::Reference* free) -> void {
     if (child.is_leaf) {
-      lists[child.index].list = kdtree::ReferenceList(std::span<const kdtree::Reference>(list));
+      ListPart& part = lists[child.index];
+      part.list = kdtree::ReferenceList(std::span<const kdtree::Reference>(list));
+      part.bounds = kdtree::bounds_of(list);  // while it is in the cache
       return;
     }
     const Node& node = nodes_[child.index];

@@ -19,7 +19,7 @@ inline constexpr std::size_t kWholeMesh = 1000;
 
 /// The subtree of a deferred cell of at most this weight is built at once: dividing it cell by cell
 /// would cost more work than it defers. In trees with leaf blocks that is grow::kBlockCell.
-inline constexpr std::size_t kEagerBelow = 64;
+inline constexpr std::uint64_t kEagerBelow = 64;
 
 /// Immutable apart from `tree`. Threads: any, for all members.
 struct TreeContext {

@@ -154,7 +154,7 @@ void query_faces(lazy::LazyTree& tree, const geometry::MeshView& mesh, wide::Pac
   } else {
     packet.live = 0;
   }
-  if (cells.on_deferred == lazy::OnDeferred::kWait && lanes != 0 && tree.has_paid_for_all()) {
+  if (cells.samples && lanes != 0 && tree.has_paid_for_all()) {
     cells.awaited = {&tree, nullptr};
     packet.stopped = true;
     return;

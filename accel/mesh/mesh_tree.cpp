@@ -50,12 +50,10 @@ wide::FrustumLanes MeshTree::query_frustum(std::span<wide::Packet> packets,
 
 void MeshTree::query_whole(WholeTree& tree, FaceTest& test, const lazy::CellQuery& cells,
                            kdtree::WalkCounters& walked, kdtree::BuildCounters& built) {
-  const bool may_build =
-      cells.on_deferred == OnDeferred::kExpand || cells.on_deferred == OnDeferred::kDemand;
-  if (!tree.is_built() && may_build) tree.build(built);
+  if (!tree.is_built() && may_grow(cells.growth) && !cells.samples) tree.build(built);
   if (tree.is_built()) return tree.query(test, walked);
   test.packet().saw_deferred |= 1u << test.ray().lane();
-  if (cells.on_deferred == OnDeferred::kScan) test.everything();
+  if (cells.growth == lazy::Growth::kNone) test.everything();
 }
 
 void MeshTree::expand_all(kdtree::BuildCounters& built, const std::atomic<bool>* cancelled) {

@@ -19,7 +19,6 @@
 
 namespace sightline::accel::mesh {
 
-using lazy::OnDeferred;
 
 /// A kd-tree that grows cell by cell, or, for comparisons, a tree that is built whole.
 ///

@@ -18,25 +18,8 @@ using accel::geometry::Hit;
 using accel::geometry::HitColumns;
 using accel::geometry::HitState;
 using accel::geometry::RayColumns;
-using accel::lazy::OnDeferred;
-using accel::lazy::WhenPending;
 using accel::wide::Goal;
 using accel::wide::kLanes;
-
-OnDeferred on_deferred(Growth growth) {
-  switch (growth) {
-    case Growth::kDemand:
-      return OnDeferred::kDemand;
-    case Growth::kNone:
-      return OnDeferred::kScan;
-    case Growth::kBuiltOnly:
-      return OnDeferred::kSkip;
-    case Growth::kFirstTouch:
-    case Growth::kFull:
-      break;
-  }
-  return OnDeferred::kExpand;
-}
 
 Goal goal(QueryKind kind) {
   switch (kind) {
@@ -59,7 +42,6 @@ Caster::Caster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees, 
       trees_(trees),
       kind_(kind),
       options_(options),
-      on_deferred_(on_deferred(options.growth)),
       collected_(kind == QueryKind::kCount || kind == QueryKind::kAll ? kLanes : 0,
                  Collected(options.max_hits)) {
   for (accel::wide::Packet* packet : {&scene_, &mesh_}) {
@@ -82,19 +64,19 @@ void Caster::read() {
   valid_ = accel::wide::valid(given_, trees_.static_tree().center(), packet_.lanes);
   frame_ = nullptr;
   cells_ = {};
-  cells_.on_deferred = on_deferred_;
+  cells_.growth = options_.growth;
   cells_.pin = &pin_;
   cells_.cancelled = options_.cancelled;
   for (std::size_t i = 0; i < collected_.size(); ++i) sinks_[i] = collected_[i].begin(kind_);
 }
 
-std::uint32_t Caster::cast(const RayColumns& rays, const RayPacket& packet,
-                           WhenPending when_pending) {
+std::uint32_t Caster::cast(const RayColumns& rays, const RayPacket& packet, bool waits) {
   pin_.renew();
   rays_ = &rays;
   packet_ = packet;
   read();
-  cells_.when_pending = when_pending;
+  cells_.waits = waits;
+  cells_.samples = samples_;
   for (const instances::OpenTree& tree : trees_.all()) {
     if (scene_.stopped) break;
     if (tree.instances.size() > 0)
@@ -106,8 +88,8 @@ std::uint32_t Caster::cast(const RayColumns& rays, const RayPacket& packet,
 }
 
 std::optional<Arrival> Caster::first_deferred_cell(const RayColumns& rays, std::size_t ray) {
-  on_deferred_ = OnDeferred::kWait;
-  cast(rays, {ray, 1}, WhenPending::kWait);
+  samples_ = true;
+  cast(rays, {ray, 1}, /*waits=*/true);
   return std::exchange(arrival_, std::nullopt);
 }
 
@@ -139,7 +121,7 @@ void Caster::enter(const instances::Instance& instance, std::uint32_t index, std
   lanes &= in_frame_;
   if (lanes == 0) return;
   stats_.instances_entered += static_cast<std::uint64_t>(std::popcount(lanes));
-  if (on_deferred_ == OnDeferred::kSkip) {
+  if (options_.growth == Growth::kBuiltOnly) {
     if (!instance.mesh->is_resident()) {
       scene_.saw_deferred |= lanes;
       return;
@@ -209,7 +191,7 @@ void Caster::write(const HitColumns& hits) {
   const accel::wide::Outcome outcome{
       best_, scene_.work, answered(), valid_, scene_.saw_deferred | mesh_.saw_deferred, any};
   accel::wide::write(outcome, hits, packet_.first);
-  // Once its pin is renewed, trees that this thread has left may be gone.
+  // Once the pin was renewed, the blocks of hits may be gone: weights come from the mesh's arrays.
   if (options_.surface && !any)
     write_surfaces({given_, outcome, packet_.first, !cells_.renewed}, trees_, *rays_, hits);
 }

@@ -45,10 +45,9 @@ class Caster {
   Caster& operator=(const Caster&) = delete;
 
   /// Casts the rays of a packet, which must outlive their answers. Returns a bit for each that is
-  /// answered. The others are cancelled; or, with WhenPending::kReturn, suspended, because they
+  /// answered. The others are cancelled; or, if the thread does not wait, suspended, because they
   /// need a large cell that other threads build: cast them again when progress() has increased.
-  std::uint32_t cast(const accel::geometry::RayColumns& rays, const RayPacket& packet,
-                     accel::lazy::WhenPending when_pending);
+  std::uint32_t cast(const accel::geometry::RayColumns& rays, const RayPacket& packet, bool waits);
   /// The progress of the cell that has suspended rays last.
   std::uint64_t progress() const { return progress_; }
 
@@ -85,7 +84,7 @@ class Caster {
   const instances::OpenTrees trees_;
   const QueryKind kind_;
   const TraceOptions options_;
-  accel::lazy::OnDeferred on_deferred_;
+  bool samples_ = false;  // see CellQuery
   CastCounters counters_;
   TraceStats stats_;
   std::vector<Collected> collected_;  // by ray, for counts and lists; else empty

@@ -81,7 +81,7 @@ class Caster::InstanceTests {
     if (!ref.openable()) return leaf(std::span(&ref.id, 1), lanes);
     const auto cluster = tree_.members_of_cluster(ref);
     if (!cluster.empty()) return references(cluster, lanes);
-    if (caster_.cells_.on_deferred == accel::lazy::OnDeferred::kSkip && !tree_.is_open(ref)) {
+    if (caster_.cells_.growth == Growth::kBuiltOnly && !tree_.is_open(ref)) {
       packet_.saw_deferred |= lanes;
       return;
     }

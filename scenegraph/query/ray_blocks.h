@@ -49,19 +49,19 @@ Result<TraceStats> run_blocks(std::size_t rays, std::size_t rays_per_block,
   return total;
 }
 
-/// Answers packets of suspended rays after all others of their block: answer(RayPacket,
-/// WhenPending) returns the rays that are suspended again, because other threads build a cell that
+/// Answers packets of suspended rays after all others of their block: answer(RayPacket, waits)
+/// returns the rays that are suspended again, because other threads build a cell that
 /// they need. In the end they wait, without spinning, for those threads, and then build the cell
 /// themselves. Ends before the next packet once `cancelled` is true.
 template <class Answer>
 void answer_postponed(std::vector<RayPacket>& postponed, const Caster& caster,
                       const std::atomic<bool>* cancelled, const Answer& answer) {
-  accel::lazy::WhenPending when_pending = accel::lazy::WhenPending::kReturn;
+  bool waits = false;
   accel::lazy::StallDetector stall_detector;
   for (std::size_t next = 0, in_vain = 0; !postponed.empty() && !is_cancelled(cancelled);) {
     if (next == postponed.size()) next = 0;
     RayPacket& packet = postponed[next];
-    packet.lanes = answer(packet, when_pending);
+    packet.lanes = answer(packet, waits);
     if (packet.lanes == 0) {
       postponed.erase(postponed.begin() + static_cast<std::ptrdiff_t>(next));
       in_vain = 0;
@@ -72,7 +72,7 @@ void answer_postponed(std::vector<RayPacket>& postponed, const Caster& caster,
     constexpr std::size_t kTries = 8;
     if (++in_vain < std::min(kTries, postponed.size())) continue;
     in_vain = 0;
-    if (!stall_detector.wait(caster.progress())) when_pending = accel::lazy::WhenPending::kWait;
+    if (!stall_detector.wait(caster.progress())) waits = true;
   }
 }
 

@@ -24,7 +24,6 @@ using accel::geometry::LocalRay;
 using accel::geometry::RayColumns;
 using accel::kdtree::AtomicSlot;
 using accel::kdtree::BuildCounters;
-using accel::lazy::CellDecision;
 using accel::lazy::LazyTree;
 
 /// A sample ray that waits.
@@ -59,13 +58,18 @@ std::vector<AwaitedCell> by_cell(const std::vector<Waiting>& waiting) {
   return cells;
 }
 
-/// Whether the cell pays for its expansion. The thread is pinned only while it reads the cell.
-bool pays(const AwaitedCell& cell, double rays_each, BuildCounters& built) {
-  if (cell.all) return true;
+/// Whether the sample rays that wait at a cell pay for its expansion.
+bool pays(const AwaitedCell& awaited, const accel::kdtree::DeferredCell& cell, double rays_each,
+          BuildCounters& built) {
+  return awaited.tree->pays(cell, rays_each * static_cast<double>(awaited.rays.size()), built);
+}
+
+/// The thread is pinned only while it reads the cell.
+bool pays(const AwaitedCell& awaited, double rays_each, BuildCounters& built) {
+  if (awaited.all) return true;
   const accel::kdtree::EpochPin pin;
-  const accel::kdtree::Slot now = accel::kdtree::load(*cell.slot);
-  return now.is_deferred() &&
-         cell.tree->pays(*now.cell(), rays_each * static_cast<double>(cell.rays.size()), built);
+  const accel::kdtree::Slot now = accel::kdtree::load(*awaited.slot);
+  return now.is_deferred() && pays(awaited, *now.cell(), rays_each, built);
 }
 
 /// Grows a cell. Returns whether its slot has changed.
@@ -80,13 +84,10 @@ bool grow(const AwaitedCell& cell, double rays_each, const TraceOptions& options
     const accel::kdtree::EpochPin pin;
     const accel::kdtree::Slot now = before = accel::kdtree::load(*cell.slot);
     if (!now.is_deferred()) return true;
-    const CellDecision decision = cell.tree->decide(*now.cell(), cell.rays, rays_each, built);
-    if (decision == CellDecision::kSearch) return false;
-    if (decision == CellDecision::kExpand) {
-      const accel::lazy::AtCell expanded =
-          cell.tree->expand(*cell.slot, accel::lazy::WhenPending::kWait, built, options.cancelled);
-      return expanded == accel::lazy::AtCell::kAdvance;
-    }
+    if (!pays(cell, *now.cell(), rays_each, built)) return false;
+    if (!cell.tree->pays_for_all(*now.cell(), cell.rays, rays_each, built))
+      return cell.tree->expand(*cell.slot, built, options.cancelled) ==
+             accel::lazy::AtCell::kAdvance;
   }
   cell.tree->finish(*cell.slot, built, options.cancelled);
   return accel::kdtree::load(*cell.slot) != before;  // it has not changed if there was no room

@@ -138,7 +138,7 @@ model::ChildList list_of(const std::vector<model::NodeId>& ids) {
 /// Adds what the tree holds. The instances of a tree that rays have asked for are used again: the
 /// tree becomes a part. Any other tree adds its own parts and candidates. A tree that is just being
 /// opened becomes a part too: otherwise, where opening takes longer than the time between
-/// revisions, no tree would ever use one again.
+/// revisions, no tree could ever use the instances of an earlier tree again.
 void take_over(const Level& level, MovedNodes& moved, std::vector<model::NodeId>& candidates) {
   const auto unopened = level.tree->moved();
   if (unopened == nullptr || level.tree->is_wanted()) return moved.parts.push_back(level.tree);

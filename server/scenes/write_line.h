@@ -24,8 +24,8 @@ namespace sightline::server::scenes {
 ///
 /// If another server commits first, a write is retried on top of what that server has committed.
 ///
-/// The journal refuses a write on top of a revision that was not kept. It cannot tell whether a
-/// write that makes no revision was kept, so the next write is appended only when that is known.
+/// The journal refuses a write if the write before it was not kept (JournalEntry::after). Behind a
+/// write that makes no revision, the next one is appended only once that is committed.
 class WriteLine {
  public:
   using Answer = std::function<void(const Result<Durability>&)>;

@@ -48,10 +48,4 @@ inline std::vector<accel::kdtree::Reference> lattice_boxes(std::size_t n, std::u
   return refs;
 }
 
-inline accel::geometry::Aabb bounds_of(const std::vector<accel::kdtree::Reference>& refs) {
-  accel::geometry::Aabb b;
-  for (const accel::kdtree::Reference& r : refs) b.grow(r.bounds());
-  return b;
-}
-
 }  // namespace sightline::tests

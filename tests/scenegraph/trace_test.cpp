@@ -255,7 +255,7 @@ TEST(Trace, StopsBetweenPostponedPackets) {
   std::vector<query::RayPacket> postponed(5, {0, accel::wide::kLanes});
   std::atomic<bool> cancelled{false};
   query::answer_postponed(postponed, caster, &cancelled,
-                          [&](const query::RayPacket&, accel::lazy::WhenPending) {
+                          [&](const query::RayPacket&, bool) {
                             cancelled = postponed.size() == 3;
                             return 0u;
                           });

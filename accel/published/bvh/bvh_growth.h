@@ -60,11 +60,4 @@ class BvhGrowth {
   std::atomic<std::size_t> nodes_used_{0}, ids_used_{0};
 };
 
-/// The union of the boxes of references; empty for none.
-inline geometry::Aabb bounds_of(std::span<const kdtree::Reference> refs) {
-  geometry::Aabb box;
-  for (const kdtree::Reference& ref : refs) box.grow(ref.bounds());
-  return box;
-}
-
 }  // namespace sightline::accel::published::bvh

@@ -132,7 +132,7 @@ double build_and_check(const TestMesh& mesh, const std::vector<Reference>& refs,
 }
 double build_and_check(const TestMesh& mesh) {
   const std::vector<Reference> refs = references(mesh);
-  return build_and_check(mesh, refs, tests::bounds_of(refs));
+  return build_and_check(mesh, refs, kdtree::bounds_of(refs));
 }
 
 double exact_cost(const TestMesh& mesh, const std::vector<Reference>& refs, const Aabb& cell) {
@@ -207,7 +207,7 @@ TEST_P(Blocks, SeeSmallTrianglesBesideALargeOne) {
   TestMesh mesh = transformed(tests::random_soup(100, 0.1, 5), 0.001f, {0.2f, 0.3f, 0.4f});
   mesh.append(tests::single_triangle());
   const std::vector<Reference> refs = references(mesh);
-  const Aabb cell = tests::bounds_of(refs);
+  const Aabb cell = kdtree::bounds_of(refs);
   EXPECT_LE(build_and_check(mesh, refs, cell), 1.1 * exact_cost(mesh, refs, cell));
 }
 
@@ -225,7 +225,7 @@ TEST_P(Blocks, KeepReferencesThatAreGivenTwice) {
   const TestMesh soup = tests::random_soup(150, 0.1, 3);
   std::vector<Reference> refs = references(soup);
   refs.insert(refs.end(), refs.begin(), refs.begin() + 70);
-  build_and_check(soup, refs, tests::bounds_of(refs));
+  build_and_check(soup, refs, kdtree::bounds_of(refs));
 }
 
 TEST_P(Blocks, CostLittleMoreThanExactSweeps) {
@@ -234,7 +234,7 @@ TEST_P(Blocks, CostLittleMoreThanExactSweeps) {
         tests::random_soup(1000, 0.2, 3), tests::planar_sheet(7), tests::planar_sheet(16),
         tests::icosphere(2), tests::icosphere(3), tests::staircase(128)}) {
     const std::vector<Reference> refs = references(mesh);
-    const Aabb cell = tests::bounds_of(refs);
+    const Aabb cell = kdtree::bounds_of(refs);
     EXPECT_LE(build_and_check(mesh, refs, cell), 1.1 * exact_cost(mesh, refs, cell))
         << mesh.faces.size() << " triangles";
   }

@@ -59,7 +59,7 @@ TEST_P(Cancelled, RaysLeaveSoonAndKeepTheBound) {
   Random random(9);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     cancellation.after(1 + static_cast<int>(random.below(12)));
-    tree.nearest(rays[i], accel::mesh::OnDeferred::kExpand, &cancellation.flag());
+    tree.nearest(rays[i], accel::lazy::Growth::kFirstTouch, &cancellation.flag());
     EXPECT_EQ(cancellation.begun_late(), 0);
     expect_bounded(tree, mesh, "after cancelled ray " + std::to_string(i));
   }

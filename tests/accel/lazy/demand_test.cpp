@@ -17,7 +17,7 @@ namespace sightline::accel::lazy {
 namespace {
 
 using geometry::Ray;
-using mesh::OnDeferred;
+using lazy::Growth;
 using tests::AskedTree;
 using tests::TestMesh;
 
@@ -81,9 +81,9 @@ TEST(Demand, SearchesUntilThatHasCostAsMuchAsExpanding) {
   const TestMesh mesh = tests::icosphere(5);
   AskedTree tree(mesh, "scan-fast");
   const Ray ray{{3, 0.1, 0.2}, {-1, 0, 0}};
-  for (std::uint64_t i = 1; i < kPathCost; ++i) tree.nearest(ray, OnDeferred::kDemand);
+  for (std::uint64_t i = 1; i < kPathCost; ++i) tree.nearest(ray, Growth::kDemand);
   EXPECT_EQ(tree.built().touches + tree.built().touches_prepare, 0u);
-  tree.nearest(ray, OnDeferred::kDemand);
+  tree.nearest(ray, Growth::kDemand);
   EXPECT_GT(tree.built().touches + tree.built().touches_prepare, 0u);
 }
 
@@ -91,7 +91,7 @@ TEST(Demand, SearchesUntilThatHasCostAsMuchAsExpanding) {
 std::uint64_t searches_before_building(AskedTree& tree, const Ray& ray) {
   std::uint64_t searches = 0;
   for (; searches < 10 * kDenseCost; ++searches) {
-    tree.nearest(ray, OnDeferred::kDemand);
+    tree.nearest(ray, Growth::kDemand);
     if (tree.built().cells_expanded > 0) break;
   }
   return searches;
@@ -116,9 +116,9 @@ TEST(Demand, SearchesATangleUntilThatHasCostAsMuchAsAllOfIt) {
   const std::uint64_t size = mesh.faces.size();
   const Ray ray{{0.5, 0.5, 0.5}, {-1, 0, 0}};
   EXPECT_EQ(searches_before_building(tree, ray), searches_for(kDenseCost * size, size));
-  for (std::uint64_t i = 0; i < kPathCost; ++i) tree.nearest(ray, OnDeferred::kDemand);
+  for (std::uint64_t i = 0; i < kPathCost; ++i) tree.nearest(ray, Growth::kDemand);
   const std::uint64_t cells = tree.built().cells_expanded;
-  tree.nearest(ray, OnDeferred::kDemand);
+  tree.nearest(ray, Growth::kDemand);
   EXPECT_EQ(tree.built().cells_expanded, cells) << "cells below wait no longer";
   AskedTree first_touch(mesh, "scan-fast");
   first_touch.nearest(ray);
@@ -132,7 +132,7 @@ TEST(Demand, FindsTheSameHitsAsTheRule) {
     const std::vector<Ray> rays = tests::make_hard_rays(mesh, 200, 4);
     for (int again = 0; again < 3; ++again) {
       for (const Ray& ray : rays)
-        ASSERT_EQ(tree.nearest(ray, OnDeferred::kDemand), tests::nearest_without_tree(mesh, ray));
+        ASSERT_EQ(tree.nearest(ray, Growth::kDemand), tests::nearest_without_tree(mesh, ray));
     }
   }
 }
@@ -151,8 +151,8 @@ TEST(Demand, MakesTheSameTreesOfTheSameRequests) {
   for (const auto& [name, mesh] : subjects()) {
     AskedTree one(mesh, "scan-fast"), other(mesh, "scan-fast");
     for (const Ray& ray : tests::make_hard_rays(mesh, 300, 5)) {
-      one.nearest(ray, OnDeferred::kDemand);
-      other.nearest(ray, OnDeferred::kDemand);
+      one.nearest(ray, Growth::kDemand);
+      other.nearest(ray, Growth::kDemand);
     }
     EXPECT_EQ(figures(one), figures(other)) << name;
   }
@@ -165,8 +165,8 @@ TEST(Demand, SpendsNoMoreOnSearchingThanOnBuilding) {
   AskedTree demand(mesh, "scan-fast"), first_touch(mesh, "scan-fast");
   const Ray ray{{3, 0.1, 0.2}, {-1, 0, 0}};
   for (int i = 0; i < 2000; ++i) {
-    demand.nearest(ray, OnDeferred::kDemand);
-    first_touch.nearest(ray, OnDeferred::kExpand);
+    demand.nearest(ray, Growth::kDemand);
+    first_touch.nearest(ray, Growth::kFirstTouch);
   }
   const auto searched = static_cast<double>(demand.walked().tests - first_touch.walked().tests);
   const double path = static_cast<double>(mesh.faces.size()) * 2 * kPathCost +

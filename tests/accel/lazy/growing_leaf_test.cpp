@@ -84,8 +84,8 @@ TEST(GrowingLeaf, SkippedCellsAreReported) {
   std::uint32_t reported = 0;
   tests::each_packet(rays, kLanes, [&](std::span<const Ray> part) {
     AskedPacket skipping(part, {}), searching(part, {});
-    skipping.cells.on_deferred = OnDeferred::kSkip;
-    searching.cells.on_deferred = OnDeferred::kScan;
+    skipping.cells.growth = Growth::kBuiltOnly;
+    searching.cells.growth = Growth::kNone;
     skipping.ask(*of.tree, of.view);
     searching.ask(*of.tree, of.view);
     reported |= skipping.packet->saw_deferred;
@@ -101,7 +101,7 @@ TEST(GrowingLeaf, SkippedCellsAreReported) {
 // A scene's tree has no mesh, and ends in lists.
 TEST(GrowingLeaf, ATreeOfBoxesEndsInLists) {
   const std::vector<kdtree::Reference> refs = tests::random_boxes(500, 0.02, 5);
-  LazyTree tree(tests::bounds_of(refs), refs.size(), split::default_rule(), source_of(refs));
+  LazyTree tree(kdtree::bounds_of(refs), refs.size(), split::default_rule(), source_of(refs));
   kdtree::BuildCounters built;
   tree.expand_all(built);
   const kdtree::EpochPin pin;
@@ -114,7 +114,7 @@ TEST(GrowingLeaf, ATreeOfBoxesEndsInLists) {
 
 TEST(GrowingLeaf, ATreeOfOneBoxHasItAlone) {
   const std::vector<kdtree::Reference> refs = tests::random_boxes(1, 0.02, 5);
-  LazyTree tree(tests::bounds_of(refs), 1, split::default_rule(), source_of(refs));
+  LazyTree tree(kdtree::bounds_of(refs), 1, split::default_rule(), source_of(refs));
   kdtree::BuildCounters built;
   tree.expand_all(built);
   const kdtree::EpochPin pin;

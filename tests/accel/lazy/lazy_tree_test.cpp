@@ -19,7 +19,7 @@ namespace {
 void touch_all(LazyTree& tree, kdtree::AtomicSlot& slot) {
   kdtree::BuildCounters counters;
   while (kdtree::load(slot).is_deferred())
-    ASSERT_EQ(tree.expand(slot, WhenPending::kWait, counters), AtCell::kAdvance);
+    ASSERT_EQ(tree.expand(slot, counters), AtCell::kAdvance);
   const kdtree::Slot now = kdtree::load(slot);
   if (!now.is_node()) return;
   for (std::size_t i = 0; i < kdtree::kWidth; ++i) touch_all(tree, now.node()->slot(i));
@@ -27,7 +27,7 @@ void touch_all(LazyTree& tree, kdtree::AtomicSlot& slot) {
 
 /// As a scene's tree: over no mesh.
 std::unique_ptr<LazyTree> tree_over(const std::vector<kdtree::Reference>& refs) {
-  return std::make_unique<LazyTree>(tests::bounds_of(refs), refs.size(), split::default_rule(),
+  return std::make_unique<LazyTree>(kdtree::bounds_of(refs), refs.size(), split::default_rule(),
                                     source_of(refs));
 }
 
@@ -37,7 +37,7 @@ TEST(LazyTree, ADivisionFillsANodeWithTheBoxesOfWhatIsInItsCells) {
   const kdtree::EpochPin pin;
   kdtree::BuildCounters counters;
   while (kdtree::load(tree->root()).is_deferred())
-    ASSERT_EQ(tree->expand(tree->root(), WhenPending::kWait, counters), AtCell::kAdvance);
+    ASSERT_EQ(tree->expand(tree->root(), counters), AtCell::kAdvance);
   const kdtree::Slot root = kdtree::load(tree->root());
   ASSERT_TRUE(root.is_node());
   for (std::size_t i = 0; i < kdtree::kWidth; ++i) {

@@ -76,7 +76,7 @@ struct ManyBoxes {
       return end - begin;
     };
     source.alive = refs;
-    return std::make_unique<LazyTree>(tests::bounds_of(*refs), refs->size(), split::default_rule(),
+    return std::make_unique<LazyTree>(kdtree::bounds_of(*refs), refs->size(), split::default_rule(),
                                       source);
   }
 };
@@ -102,7 +102,7 @@ kdtree::BuildCounters descend(LazyTree& tree, const geometry::Vec3f& point) {
   for (kdtree::AtomicSlot* at = &tree.root(); at != nullptr;) {
     const kdtree::Slot slot = kdtree::load(*at);
     if (slot.is_deferred()) {
-      if (tree.expand(*at, WhenPending::kWait, counters) == AtCell::kSearch) break;
+      if (tree.expand(*at, counters) == AtCell::kSearch) break;
       continue;
     }
     at = nullptr;
@@ -180,7 +180,7 @@ TEST(Passes, ACancelledThreadLeavesAfterASliceAndTheNextOneGoesOn) {
   kdtree::BuildCounters counters;
   {
     const kdtree::EpochPin pin;
-    EXPECT_EQ(tree->expand(tree->root(), WhenPending::kWait, counters, cancelled.get()),
+    EXPECT_EQ(tree->expand(tree->root(), counters, cancelled.get()),
               AtCell::kSearch);
     EXPECT_TRUE(kdtree::load(tree->root()).is_deferred());
   }

@@ -87,7 +87,7 @@ void for_both(Found& found, const Ask& ask) {
   ask(HitSink{.primitives = &found.primitives});
 }
 
-void ask_alone(MeshTree& tree, const Questions& questions, OnDeferred on_deferred) {
+void ask_alone(MeshTree& tree, const Questions& questions, lazy::Growth growth) {
   const kdtree::EpochPin pin;
   for (std::size_t i = 0; i < questions.rays.size(); ++i) {
     Found found;
@@ -95,7 +95,7 @@ void ask_alone(MeshTree& tree, const Questions& questions, OnDeferred on_deferre
       tests::MeshQuery query = tests::query_of(questions.rays[i]);
       query.goal = wide::Goal::kEvery;
       query.sink = sink;
-      query.cells.on_deferred = on_deferred;
+      query.cells.growth = growth;
       query.culling = questions.culling;
       query.node = kNode;
       kdtree::WalkCounters walked;
@@ -106,7 +106,7 @@ void ask_alone(MeshTree& tree, const Questions& questions, OnDeferred on_deferre
   }
 }
 
-void ask_packet(MeshTree& tree, std::span<const Ray> rays, Culling culling, OnDeferred on_deferred,
+void ask_packet(MeshTree& tree, std::span<const Ray> rays, Culling culling, lazy::Growth growth,
                 std::span<const HitSink> sinks) {
   const auto packet = std::make_unique<wide::Packet>();
   wide::BestHits best;
@@ -119,13 +119,13 @@ void ask_packet(MeshTree& tree, std::span<const Ray> rays, Culling culling, OnDe
   packet->work.fill(0);
   tests::set_rays(rays, packet->rays);
   lazy::CellQuery cells;
-  cells.on_deferred = on_deferred;
+  cells.growth = growth;
   kdtree::WalkCounters walked;
   kdtree::BuildCounters built;
   tree.query(*packet, (2u << (rays.size() - 1)) - 1, cells, walked, built);
 }
 
-void ask_packets(MeshTree& tree, const Questions& questions, OnDeferred on_deferred) {
+void ask_packets(MeshTree& tree, const Questions& questions, lazy::Growth growth) {
   const kdtree::EpochPin pin;
   for (std::size_t first = 0; first < questions.rays.size(); first += kLanes) {
     const auto part =
@@ -136,8 +136,8 @@ void ask_packets(MeshTree& tree, const Questions& questions, OnDeferred on_defer
       lists[i].list = &found[i].list;
       primitives[i].primitives = &found[i].primitives;
     }
-    ask_packet(tree, part, questions.culling, on_deferred, lists);
-    ask_packet(tree, part, questions.culling, on_deferred, primitives);
+    ask_packet(tree, part, questions.culling, growth, lists);
+    ask_packet(tree, part, questions.culling, growth, primitives);
     for (std::size_t i = 0; i < part.size(); ++i)
       expect_all(found[i], questions.expected[first + i]);
   }
@@ -163,13 +163,13 @@ TEST_P(AllHits, OfRaysAloneAndOfPacketsEqualTheRule) {
   const auto growing_alone = make_tree(), growing = make_tree(), searched = make_tree();
   for (const Culling culling : {Culling::kNone, Culling::kBack, Culling::kFront}) {
     const Questions questions(mesh_, rays_, culling);
-    for (const OnDeferred on_deferred : {OnDeferred::kExpand, OnDeferred::kScan}) {
-      ask_alone(*growing_alone, questions, on_deferred);
-      ask_packets(*growing, questions, on_deferred);
+    for (const lazy::Growth growth : {lazy::Growth::kFirstTouch, lazy::Growth::kNone}) {
+      ask_alone(*growing_alone, questions, growth);
+      ask_packets(*growing, questions, growth);
     }
     if (culling != Culling::kNone) continue;
-    ask_alone(*searched, questions, OnDeferred::kScan);
-    ask_packets(*searched, questions, OnDeferred::kScan);
+    ask_alone(*searched, questions, lazy::Growth::kNone);
+    ask_packets(*searched, questions, lazy::Growth::kNone);
   }
 }
 

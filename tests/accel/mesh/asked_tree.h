@@ -22,10 +22,10 @@ inline std::unique_ptr<accel::mesh::MeshTree> make_tree(
 
 /// By one ray alone.
 inline Answer ask(accel::mesh::MeshTree& tree, const accel::geometry::Ray& ray,
-                  accel::mesh::OnDeferred on_deferred = accel::mesh::OnDeferred::kExpand) {
+                  accel::lazy::Growth growth = accel::lazy::Growth::kFirstTouch) {
   const accel::kdtree::EpochPin pin;
   MeshQuery query = query_of(ray);
-  query.cells.on_deferred = on_deferred;
+  query.cells.growth = growth;
   accel::kdtree::WalkCounters walked;
   accel::kdtree::BuildCounters built;
   ask(tree, query, walked, built);

@@ -75,13 +75,13 @@ void grow(MeshTree& tree, std::span<const Ray> rays) {
 
 /// Asks in packets of all sizes, each question.
 void expect_exact(MeshTree& tree, const AskedMesh& of,
-                  OnDeferred on_deferred = OnDeferred::kExpand) {
+                  lazy::Growth growth = lazy::Growth::kFirstTouch) {
   for (std::size_t q = 0; q < of.expected.size(); ++q) {
     std::size_t size = 1, hits = 0;
     for (std::size_t i = 0; i < of.rays.size(); i += size, size = size % wide::kLanes + 1) {
       const auto part = std::span(of.rays).subspan(i, std::min(size, of.rays.size() - i));
       AskedPacket asked(part, kPacketQuestions[q]);
-      asked.cells.on_deferred = on_deferred;
+      asked.cells.growth = growth;
       asked.ask(tree);
       ASSERT_FALSE(asked.packet->stopped);
       ASSERT_EQ(asked.packet->saw_deferred & ~asked.lanes(), 0u);
@@ -103,7 +103,7 @@ void expect_skipped_cells_are_reported(MeshTree& untouched, MeshTree& half, cons
     for (std::size_t i = 0; i < of.rays.size(); i += wide::kLanes) {
       const auto part = std::span(of.rays).subspan(i, std::min(wide::kLanes, of.rays.size() - i));
       AskedPacket at_first(part, kPacketQuestions[q]), later(part, kPacketQuestions[q]);
-      at_first.cells.on_deferred = later.cells.on_deferred = OnDeferred::kSkip;
+      at_first.cells.growth = later.cells.growth = lazy::Growth::kBuiltOnly;
       at_first.ask(untouched);
       later.ask(half);
       EXPECT_EQ(at_first.best->found, 0u);
@@ -120,7 +120,7 @@ void expect_skipped_cells_are_reported(MeshTree& untouched, MeshTree& half, cons
 
 void expect_all_is_built(MeshTree& finished, const AskedMesh& of) {
   AskedPacket asked(std::span<const Ray>(of.rays).first(wide::kLanes), {});
-  asked.cells.on_deferred = OnDeferred::kSkip;
+  asked.cells.growth = lazy::Growth::kBuiltOnly;
   asked.ask(finished);
   EXPECT_EQ(asked.packet->saw_deferred, 0u);
   EXPECT_EQ(asked.built.cells_expanded, 0u);
@@ -135,11 +135,11 @@ TEST_P(FaceTests, HoweverMuchOfTheTreeIsBuilt) {
     const auto grown = tree_over(of.mesh), paid = tree_over(of.mesh), half = tree_over(of.mesh),
                untouched = tree_over(of.mesh), finished = tree_over(of.mesh);
     expect_exact(*grown, of);
-    for (int again = 0; again < 2; ++again) expect_exact(*paid, of, OnDeferred::kDemand);
-    expect_exact(*untouched, of, OnDeferred::kScan);
+    for (int again = 0; again < 2; ++again) expect_exact(*paid, of, lazy::Growth::kDemand);
+    expect_exact(*untouched, of, lazy::Growth::kNone);
     grow(*half, of.rays);
     expect_skipped_cells_are_reported(*untouched, *half, of);
-    expect_exact(*half, of, OnDeferred::kScan);
+    expect_exact(*half, of, lazy::Growth::kNone);
     expect_exact(*half, of);
     kdtree::BuildCounters built;
     finished->expand_all(built);
@@ -163,7 +163,7 @@ TEST_P(FaceTests, SearchedCellsAreReported) {
   const auto tree = tree_over(mesh);
   const std::vector<Ray> rays = tests::rays_at(mesh, wide::kLanes, 2);
   AskedPacket searched(rays, {}), built(rays, {});
-  searched.cells.on_deferred = OnDeferred::kScan;
+  searched.cells.growth = lazy::Growth::kNone;
   searched.ask(*tree);
   EXPECT_EQ(searched.packet->saw_deferred, searched.lanes());
   built.ask(*tree);

@@ -107,7 +107,7 @@ std::uint64_t tests_when_cancelled(MeshTree& tree, const geometry::LocalRay& ray
   const kdtree::EpochPin pin;
   const std::atomic<bool> cancelled{true};
   tests::MeshQuery query;
-  query.cells.on_deferred = OnDeferred::kScan;
+  query.cells.growth = lazy::Growth::kNone;
   query.cells.cancelled = &cancelled;
   query.ray = ray;
   kdtree::WalkCounters walked;

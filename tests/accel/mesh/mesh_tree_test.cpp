@@ -182,8 +182,8 @@ TEST_P(EveryShape, LazyFullAndSearchedTreesAnswerAlike) {
       const Answer expected = search(mesh, ray, tests::Question{});
       ASSERT_EQ(ask(*lazy, ray), expected) << name;
       ASSERT_EQ(ask(*full, ray), expected) << name;
-      ASSERT_EQ(ask(*deferred, ray, OnDeferred::kScan), expected) << name;
-      ASSERT_EQ(ask(*lazy, ray, OnDeferred::kScan), expected) << name;
+      ASSERT_EQ(ask(*deferred, ray, lazy::Growth::kNone), expected) << name;
+      ASSERT_EQ(ask(*lazy, ray, lazy::Growth::kNone), expected) << name;
     }
     EXPECT_TRUE(mesh.faces.empty() || deferred->untouched());
     check(*lazy, mesh, builder);

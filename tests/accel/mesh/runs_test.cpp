@@ -148,7 +148,7 @@ TEST(Runs, AreScannedWhereNothingIsGrown) {
     const MeshQuery expected = ask(grown, ray, counters);
     for (MeshTree* tree : {&cold, &grown}) {
       MeshQuery query = tests::query_of(ray);
-      query.cells.on_deferred = OnDeferred::kScan;
+      query.cells.growth = lazy::Growth::kNone;
       kdtree::WalkCounters walked;
       tests::ask(*tree, query, walked, counters);
       ASSERT_EQ(query.found, expected.found);

@@ -134,11 +134,11 @@ TEST(WholeTrees, OnlyRaysThatMayBuildBuild) {
     const AnyBuilder builder = *make_builder(name);
     if (mesh::TreeBuilder(builder).whole == nullptr) continue;
     mesh::MeshTree tree(mesh.view(), mesh::compute_mesh_stats(mesh.view()), builder);
-    const auto ask = [&](mesh::OnDeferred on_deferred) {
+    const auto ask = [&](lazy::Growth growth) {
       const kdtree::EpochPin pin;
       tests::MeshQuery query;
       query.ray = *geometry::make_local_ray({0.1, 0.2, 3}, {0, 0, -1});
-      query.cells.on_deferred = on_deferred;
+      query.cells.growth = growth;
       kdtree::WalkCounters walked;
       kdtree::BuildCounters built;
       tests::ask(tree, query, walked, built);
@@ -146,12 +146,12 @@ TEST(WholeTrees, OnlyRaysThatMayBuildBuild) {
     };
     EXPECT_EQ(tree.metrics().deferred_cells, 1u);
     EXPECT_EQ(tree.growth().cells_deferred, 1u);
-    const tests::MeshQuery skipped = ask(mesh::OnDeferred::kSkip),
-                           searched = ask(mesh::OnDeferred::kScan);
+    const tests::MeshQuery skipped = ask(lazy::Growth::kBuiltOnly),
+                           searched = ask(lazy::Growth::kNone);
     EXPECT_TRUE(!skipped.found && skipped.saw_deferred);
     EXPECT_TRUE(searched.found && searched.saw_deferred);
     EXPECT_TRUE(tree.untouched());
-    const tests::MeshQuery built = ask(mesh::OnDeferred::kExpand);
+    const tests::MeshQuery built = ask(lazy::Growth::kFirstTouch);
     EXPECT_TRUE(built.found && !built.saw_deferred);
     EXPECT_EQ(built.best_t, searched.best_t);
     EXPECT_EQ(built.best_primitive, searched.best_primitive);

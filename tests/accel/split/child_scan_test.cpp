@@ -124,7 +124,7 @@ TEST_P(FirstScanning, LeavesASideEmpty) {
 
 TEST_P(FirstScanning, CountsLongLists) {
   const auto refs = tests::random_boxes(5000, 0.01, 2);
-  expect_same(refs, tests::bounds_of(refs), {1, 0.3f});
+  expect_same(refs, kdtree::bounds_of(refs), {1, 0.3f});
 }
 
 TEST(ChildScan, CoversAListOfItsSizeThatIsNotEmpty) {

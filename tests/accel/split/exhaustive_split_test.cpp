@@ -75,7 +75,7 @@ void expect_same(const std::vector<kdtree::Reference>& refs, const geometry::Aab
 TEST_P(BoundScan, FindsTheBestBound) {
   for (std::size_t n = 1; n <= kMaxBoundScan; n += n < 40 ? 1 : 27) {
     const auto refs = tests::random_boxes(n, 0.3, n);
-    expect_same(refs, tests::bounds_of(refs));
+    expect_same(refs, kdtree::bounds_of(refs));
     expect_same(refs, {{0.2f, 0.3f, 0.1f}, {0.8f, 0.7f, 0.9f}});  // Straddlers
   }
 }

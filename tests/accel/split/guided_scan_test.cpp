@@ -53,7 +53,7 @@ TEST(GuidedScan, IsNearTheBestBound) {
     for (const double size : {0.01, 0.1, 0.5}) {
       const auto refs = tests::random_boxes(500, size, seed);
       for (const geometry::Aabb& cell :
-           {tests::bounds_of(refs), geometry::Aabb{{0, 0, 0}, {1, 1, 3}}}) {
+           {kdtree::bounds_of(refs), geometry::Aabb{{0, 0, 0}, {1, 1, 3}}}) {
         const double best = best_children(refs, cell);
         EXPECT_LT(chosen(refs, cell), 1.05 * best) << seed << " " << size;
         EXPECT_LT(chosen(refs, cell, {.cost = {}, .refine_all_axes = true}), 1.02 * best) << seed;
@@ -87,7 +87,7 @@ TEST(GuidedScan, CutsAtAWall) {
 TEST(GuidedScan, CountsWeights) {
   auto refs = tests::random_boxes(400, 0.02, 1);
   for (kdtree::Reference& ref : refs) ref.weight = ref.lo.x < 0.2f ? 1000 : 1;
-  const geometry::Aabb cell = tests::bounds_of(refs);
+  const geometry::Aabb cell = kdtree::bounds_of(refs);
   EXPECT_LT(chosen(refs, cell), 1.02 * best_children(refs, cell));
 }
 

@@ -76,7 +76,7 @@ void expect_same_choices(const std::vector<kdtree::Reference>& refs, const geome
 TEST(ListPass, ChoosesAsFromTheWholeList) {
   for (const std::size_t n : {257u, 1000u, 70000u}) {
     const auto small = tests::random_boxes(n, 0.01, n);
-    expect_same_choices(small, tests::bounds_of(small));
+    expect_same_choices(small, kdtree::bounds_of(small));
     expect_same_choices(tests::lattice_boxes(n, 5, n), {{0, 0, 0}, {5, 5, 5}});
   }
 }
@@ -85,7 +85,7 @@ TEST(ListPass, IgnoresCountsOfAnotherLength) {
   const auto refs = tests::random_boxes(1000, 0.1, 1);
   kdtree::ChildScan wrong;
   wrong.references = 999;
-  kdtree::CellRefs list{refs, tests::bounds_of(refs), {}};
+  kdtree::CellRefs list{refs, kdtree::bounds_of(refs), {}};
   kdtree::BuildCounters counters, expected;
   const ScanSplit scan = scan_fast();
   const auto cut = scan.choose(list, expected);

@@ -53,12 +53,12 @@ class AskedTree {
   void build(const std::atomic<bool>* cancelled = nullptr) { tree_.expand_all(built_, cancelled); }
 
   NearestHit nearest(const accel::geometry::Ray& ray,
-                     accel::mesh::OnDeferred on_deferred = accel::mesh::OnDeferred::kExpand,
+                     accel::lazy::Growth growth = accel::lazy::Growth::kFirstTouch,
                      const std::atomic<bool>* cancelled = nullptr) {
     accel::kdtree::EpochPin pin;
     MeshQuery query = query_of(ray);
     query.cells.pin = &pin;
-    query.cells.on_deferred = on_deferred;
+    query.cells.growth = growth;
     query.cells.cancelled = cancelled;
     ask(tree_, query, walked_, built_);
     return query.found ? NearestHit{query.best_t, query.best_primitive} : NearestHit{};

@@ -107,7 +107,7 @@ class Growth {
       ++kind.cells;
       accel::kdtree::BuildCounters built;
       kind.seconds +=
-          seconds_of([&] { tree_.expand(slot, accel::lazy::WhenPending::kWait, built); });
+          seconds_of([&] { tree_.expand(slot, built); });
     }
     const accel::kdtree::Slot now = accel::kdtree::load(slot);
     if (!now.is_node()) return;

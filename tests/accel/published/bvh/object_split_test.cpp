@@ -52,7 +52,7 @@ TEST(CenterLists, AreSortedAlongEachAxis) {
       ASSERT_EQ(sorted.lists.along[axis].size(), n);
       EXPECT_TRUE(tests::is_sorted_along(sorted.lists.along[axis], axis));
     }
-    EXPECT_EQ(sorted.lists.box, tests::bounds_of(refs));
+    EXPECT_EQ(sorted.lists.box, kdtree::bounds_of(refs));
   }
 }
 

@@ -12,7 +12,6 @@
 namespace sightline::accel::published::kd {
 namespace {
 
-using tests::bounds_of;
 
 TEST(AxisBins, CountsWhereBoxesStartAndEnd) {
   AxisBins bins(0, 8, 4);

@@ -14,7 +14,6 @@
 namespace sightline::accel::published::kd {
 namespace {
 
-using tests::bounds_of;
 using tests::box_ref;
 
 double true_cost(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,

@@ -8,7 +8,6 @@
 namespace sightline::accel::published::kd {
 namespace {
 
-using tests::bounds_of;
 using tests::box_ref;
 
 TEST(SpatialMedian, CyclesThroughTheAxesAndCutsTheMiddle) {

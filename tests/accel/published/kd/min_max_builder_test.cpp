@@ -11,7 +11,6 @@
 namespace sightline::accel::published::kd {
 namespace {
 
-using tests::bounds_of;
 using tests::box_ref;
 using tests::counted_cost;
 

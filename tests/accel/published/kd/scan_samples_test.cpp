@@ -122,7 +122,7 @@ void for_all_soups(const Check& check) {
       SCOPED_TRACE(soup.name + ", seed " + std::to_string(seed));
       // A cell that shares faces with boxes, one that boxes exceed, and the whole list.
       for (const geometry::Aabb& cell :
-           {kUnitCell, geometry::Aabb{{0.2f, 0, 0}, {0.7f, 1, 1}}, tests::bounds_of(soup.refs)}) {
+           {kUnitCell, geometry::Aabb{{0.2f, 0, 0}, {0.7f, 1, 1}}, kdtree::bounds_of(soup.refs)}) {
         std::vector<kdtree::Reference> inside;
         for (const kdtree::Reference& ref : soup.refs) {
           if (is_member(ref.bounds(), cell)) inside.push_back(ref);

@@ -86,7 +86,7 @@ void expect_same(const std::vector<kdtree::Reference>& refs, const geometry::Aab
 TEST_P(SmallGrowth, MakesTheCutsOfTheRule) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     const auto refs = tests::random_boxes(1 + seed % kSmallList, seed % 2 == 0 ? 0.1 : 0.6, seed);
-    expect_same(refs, tests::bounds_of(refs));
+    expect_same(refs, kdtree::bounds_of(refs));
     expect_same(refs, {{0.2f, 0.3f, 0.1f}, {0.8f, 0.7f, 0.9f}});  // straddlers
   }
 }
@@ -98,7 +98,7 @@ TEST_P(SmallGrowth, ResolvesTiesTheSameWay) {
 
 TEST_P(SmallGrowth, StopsAtTheDepthLimit) {
   const auto refs = tests::random_boxes(kSmallList, 0.1, 7);
-  for (const int limit : {0, 1, 2, 3}) expect_same(refs, tests::bounds_of(refs), limit);
+  for (const int limit : {0, 1, 2, 3}) expect_same(refs, kdtree::bounds_of(refs), limit);
 }
 
 TEST_P(SmallGrowth, FailsAtTheCapacity) {
@@ -106,7 +106,7 @@ TEST_P(SmallGrowth, FailsAtTheCapacity) {
   PlainCapacity capacity(0, 0);
   while (capacity.take_pair()) continue;
   kdtree::BuildCounters counters;
-  const PlainCells cells = grown({}, refs, tests::bounds_of(refs), 20, capacity, counters);
+  const PlainCells cells = grown({}, refs, kdtree::bounds_of(refs), 20, capacity, counters);
   ASSERT_TRUE(cells.root.is_failed());
   ASSERT_EQ(cells.failed_leaf(cells.root).size(), refs.size());
   for (std::size_t i = 0; i < refs.size(); ++i)
