@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,7 +19,6 @@
 #include "accel/kdtree/epoch.h"
 #include "accel/kdtree/last_use.h"
 #include "scenegraph/query/caster.h"
-#include "scenegraph/query/frustum_caster.h"
 #include "scenegraph/query/ray_blocks.h"
 #include "scenegraph/query/sample_rays.h"
 
@@ -61,17 +59,14 @@ Result<TraceStats> trace_blocks(const revision::Snapshot& snapshot, QueryKind ki
 }
 
 /// Casts every ray. Calls keep(Caster, first, lanes) where the caster has the answers to some rays
-/// from `first` on, which have a bit in `lanes`. Frustums write their answers to `hits`, if that is
-/// not null.
+/// from `first` on, which have a bit in `lanes`.
 template <class Keep>
 Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
-                             const RayColumns& rays, const HitColumns* hits,
-                             const TraceOptions& options, const Keep& keep) {
+                             const RayColumns& rays, const TraceOptions& options,
+                             const Keep& keep) {
   const auto answer = [&](const instances::OpenTrees& trees, const RayBlock& block) {
     EpochPin pin;
     Caster caster(pin, trees, kind, options);
-    std::optional<query::FrustumCaster> frustums;
-    if (hits != nullptr) frustums.emplace(pin, trees, options, rays, *hits);
     const auto cast = [&](const RayPacket& packet, bool waits) {
       const std::uint32_t answered = caster.cast(rays, packet, waits);
       if (answered != 0) keep(caster, packet.first, answered);
@@ -81,14 +76,11 @@ Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
     for (std::size_t i = block.first; i < block.end && !is_cancelled(options.cancelled);
          i += kLanes) {
       RayPacket packet{i, std::min(kLanes, block.end - i)};
-      if (frustums && frustums->answers(packet, block.end)) continue;
       packet.lanes = cast(packet, /*waits=*/false);
       if (packet.lanes != 0) postponed.push_back(packet);
     }
     query::answer_postponed(postponed, caster, options.cancelled, cast);
-    TraceStats stats = caster.stats();
-    if (frustums) stats += frustums->stats();
-    return stats;
+    return caster.stats();
   };
   return trace_blocks(snapshot, kind, rays, kRaysPerBlock, options, answer);
 }
@@ -150,7 +142,7 @@ Result<TraceStats> trace(const revision::Snapshot& snapshot, const RayColumns& r
   // Packets set only their own bits.
   if (hits.bits != nullptr) std::fill_n(hits.bits, (hits.size + 7) / 8, std::uint8_t{0});
   if (options.partial) mark_unanswered(hits);
-  auto traced = cast_rays(snapshot, options.kind, rays, &hits, options,
+  auto traced = cast_rays(snapshot, options.kind, rays, options,
                           [&](Caster& caster, std::size_t, std::uint32_t) { caster.write(hits); });
   return with_unanswered(std::move(traced), rays.size, options);
 }
@@ -164,7 +156,7 @@ Result<TraceStats> count_hits(const revision::Snapshot& snapshot, const RayColum
                               std::span<RayTally> tallies, const TraceOptions& options) {
   if (const Status good = check_sizes(rays.size, tallies.size()); !good) return good.error();
   if (options.partial) mark_unanswered(tallies, kUnansweredCount);
-  auto traced = cast_rays(snapshot, QueryKind::kCount, rays, nullptr, options,
+  auto traced = cast_rays(snapshot, QueryKind::kCount, rays, options,
                           [&](Caster& caster, std::size_t first, std::uint32_t lanes) {
                             for (; lanes != 0; lanes &= lanes - 1) {
                               const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
@@ -219,7 +211,7 @@ Status grow_for_rays(const revision::Snapshot& snapshot, std::span<const Ray> ra
   while (!rays.empty()) {
     const auto part = rays.first(std::min(rays.size(), kRaysPerReport));
     rays = rays.subspan(part.size());
-    const auto cast = cast_rays(snapshot, kind, columns_of(part), nullptr, options,
+    const auto cast = cast_rays(snapshot, kind, columns_of(part), options,
                                 [](Caster&, std::size_t, std::uint32_t) {});
     if (!cast) return cast.error();
     progress.add(cast->cells_expanded, cast->build_seconds);

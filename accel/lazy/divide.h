@@ -24,11 +24,11 @@ struct Division {
 };
 
 /// Divides a cell, by passes over its references in slices: at several planes found in a sample, if
-/// the list is long and the rule takes samples; else at one. Cells above the weight `fill_above` are
-/// then cut again, until a node is full. A list that is not in
-/// memory and is not cut by a sample is made; references that stand for several are opened where no
-/// cut can be judged. Threads that share the passes get equal divisions, whose lists they share.
-/// Throws std::bad_alloc, and Cancelled.
+/// the list is long and the rule takes samples; else at one. Cells above the weight `fill_above`
+/// are then cut again, until a node is full. A list that is not in memory and is not cut by a
+/// sample is made; references that stand for several are opened where no cut can be judged. Threads
+/// that share the passes get equal divisions, whose lists they share. Throws std::bad_alloc, and
+/// Cancelled.
 Division divide(const TreeContext& context, const kdtree::DeferredCell& cell, Passes passes,
                 std::uint64_t fill_above);
 

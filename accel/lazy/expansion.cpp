@@ -205,8 +205,7 @@ kdtree::Slot Expansion::make_node(Division division) {
   for (std::size_t i = 0; i < division.cells.size(); ++i) {
     std::unique_ptr<DeferredCell>& cell = division.cells[i];
     if (cell->size == 0) continue;
-    node->set_box(children,
-                  in_frame(context_.frame, division.boxes[i]));
+    node->set_box(children, in_frame(context_.frame, division.boxes[i]));
     const kdtree::Slot slot = context_.tree.defer(std::move(cell));
     node->children[children++].store(slot.bits(), std::memory_order_relaxed);
   }

@@ -39,8 +39,8 @@ inline std::uint64_t most_list_bytes(const TreeContext& context) {
 /// Threads: one, pinned to an epoch, but for build_claimed().
 class Expansion {
  public:
-  /// All of these outlive it. `cancelled`: see LazyTree::expand. Cells above the weight `fill_above`
-  /// are wanted, so that a division cuts them again until a node is full.
+  /// All of these outlive it. `cancelled`: see LazyTree::expand. Cells above the weight
+  /// `fill_above` are wanted, so that a division cuts them again until a node is full.
   Expansion(TreeContext& context, kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
             const std::atomic<bool>* cancelled,
             std::uint64_t fill_above = std::numeric_limits<std::uint64_t>::max())

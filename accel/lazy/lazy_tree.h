@@ -55,9 +55,9 @@ class LazyTree {
   bool is_over_faces() const { return context_.mesh != nullptr; }
 
   /// Called for rays that meet a cell. Returns whether they search its list, and then counts what
-  /// that costs as spent: because memory is short, or because all that was spent there is still less
-  /// than the cost of expanding it. Costs are compared `by_demand` in trees over faces, and always
-  /// where the cell was evicted.
+  /// that costs as spent: because memory is short, or because all that was spent there is still
+  /// less than the cost of expanding it. Costs are compared `by_demand` in trees over faces, and
+  /// always where the cell was evicted.
   bool searches(const kdtree::DeferredCell& cell, std::uint64_t rays, bool by_demand,
                 kdtree::BuildCounters& counters);
 

@@ -40,14 +40,6 @@ void MeshTree::query(wide::Packet& packet, std::uint32_t lanes, lazy::CellQuery&
   }
 }
 
-wide::FrustumLanes MeshTree::query_frustum(std::span<wide::Packet> packets,
-                                           const wide::FrustumLanes& lanes,
-                                           kdtree::WalkCounters& walked) {
-  auto* tree = std::get_if<lazy::LazyTree>(&tree_);
-  if (tree == nullptr || !tree->makes_blocks()) return {};
-  return wide::walk_frustum(packets, tree->frame(), wide::Child::at(tree->root()), lanes, walked);
-}
-
 void MeshTree::query_whole(WholeTree& tree, FaceTest& test, const lazy::CellQuery& cells,
                            kdtree::WalkCounters& walked, kdtree::BuildCounters& built) {
   if (!tree.is_built() && may_grow(cells.growth) && !cells.samples) tree.build(built);

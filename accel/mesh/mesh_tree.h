@@ -15,10 +15,9 @@
 #include "accel/mesh/mesh_stats.h"
 #include "accel/mesh/tree_builder.h"
 #include "accel/mesh/whole_tree.h"
-#include "accel/wide/frustum.h"
+#include "accel/wide/packet.h"
 
 namespace sightline::accel::mesh {
-
 
 /// A kd-tree that grows cell by cell, or, for comparisons, a tree that is built whole.
 ///
@@ -35,11 +34,6 @@ class MeshTree {
   /// Packet::sinks).
   void query(wide::Packet& packet, std::uint32_t lanes, lazy::CellQuery& cells,
              kdtree::WalkCounters& walked, kdtree::BuildCounters& built);
-
-  /// Finds any or the nearest hits of a frustum where the tree is finished, and returns the rays
-  /// that are done: see wide::walk_frustum().
-  wide::FrustumLanes query_frustum(std::span<wide::Packet> packets, const wide::FrustumLanes& lanes,
-                                   kdtree::WalkCounters& walked);
 
   /// Expands every cell, or ends soon after `cancelled` is true. A whole tree whose build has begun
   /// is completed.

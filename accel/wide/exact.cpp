@@ -32,13 +32,6 @@ struct LaneVerdicts {
   std::uint32_t miss = 0, hit = 0;
 };
 
-/// A triangle as rays from one origin see it: its normal, normal . (corner - origin), and the least
-/// |normal . direction| for which doubles give t.
-struct SeenPlane {
-  geometry::Vec3d normal;
-  double numerator, least;
-};
-
 }  // namespace sightline::accel::wide
 #endif
 
@@ -75,26 +68,6 @@ void judge_lanes(const Rays& rays, const geometry::Vec3f& center, const LaneTria
   ((dot(normal, pa) / along + zero) * Doubles::load(rays.unit.data())).store(out.t.data());
 }
 
-/// Sets the t at which each ray crosses the plane; returns the rays for which doubles give it.
-std::uint32_t cross_plane(const Rays& rays, const SeenPlane& plane, Column<double>& t) {
-  const auto set = [](double x) { return Doubles::set(x); };
-  const Doubles along =
-      dot({set(plane.normal.x), set(plane.normal.y), set(plane.normal.z)}, load(rays.direction));
-  ((set(plane.numerator) / along + set(0)) * Doubles::load(rays.unit.data())).store(t.data());
-  return abs(along) >= set(plane.least);
-}
-
-/// The rays whose best candidate is this triangle.
-std::uint32_t with_best(const Candidates& all, const std::uint32_t* block, std::uint32_t triangle) {
-  using Indices = Lanes<std::uint32_t, kLanes>;
-  using Addresses = Lanes<std::uint64_t, kLanes>;
-  static_assert(sizeof(all.best_block[0]) == sizeof(std::uint64_t));
-  const Addresses blocks =
-      Addresses::load(reinterpret_cast<const std::uint64_t*>(all.best_block.data()));
-  return equal(Indices::load(all.best_triangle.data()), Indices::set(triangle)) &
-         equal(blocks, Addresses::set(std::bit_cast<std::uint64_t>(block)));
-}
-
 }  // namespace HWY_NAMESPACE
 }  // namespace sightline::accel::wide
 HWY_AFTER_NAMESPACE();
@@ -103,8 +76,6 @@ HWY_AFTER_NAMESPACE();
 namespace sightline::accel::wide {
 
 HWY_EXPORT(judge_lanes);
-HWY_EXPORT(cross_plane);
-HWY_EXPORT(with_best);
 
 namespace {
 
@@ -187,41 +158,6 @@ void resolve_best(Packet& packet, std::uint32_t lanes) {
   decide_together(packet, triangles, all.best_block, all.best_triangle, lanes);
 }
 
-SeenPlane seen_plane(const Packet& packet, const Block& block, std::uint32_t triangle,
-                     const geometry::Vec3d& origin) {
-  const geometry::Vec3d a(corner_of(packet, block, 0, triangle)),
-      b(corner_of(packet, block, 1, triangle)), c(corner_of(packet, block, 2, triangle));
-  const geometry::Vec3d e1 = b - a, e2 = c - a;
-  const geometry::Vec3d normal = cross(e1, e2);
-  return {normal, dot(normal, a - origin),
-          geometry::kEdgeOn * geometry::max_norm(e1) * geometry::max_norm(e2)};
-}
-
-/// Decides the best candidates of rays with one origin, triangle by triangle. That they are hits is
-/// certain; only their t is computed, where doubles give it.
-void resolve_best_from_origin(Packet& packet, std::uint32_t lanes) {
-  const Candidates& all = packet.candidates;
-  Column<double> t;
-  for (std::uint32_t left = with_best(packet, lanes); left != 0;) {
-    const auto first = static_cast<std::size_t>(std::countr_zero(left));
-    const std::uint32_t* words = all.best_block[first];
-    const std::uint32_t triangle = all.best_triangle[first];
-    std::uint32_t same = left & HWY_DYNAMIC_DISPATCH(with_best)(all, words, triangle);
-    left &= ~same;
-    const SeenPlane plane =
-        seen_plane(packet, Block(words), triangle, ray_of(packet.rays, first).origin);
-    const std::uint32_t crossing = HWY_DYNAMIC_DISPATCH(cross_plane)(packet.rays, plane, t);
-    for (; same != 0; same &= same - 1) {
-      const auto lane = static_cast<std::size_t>(std::countr_zero(same));
-      if ((crossing >> lane & 1) != 0) {
-        offer(packet, lane, t[lane], offered(words, triangle));
-      } else {
-        decide(packet, lane, words, triangle);
-      }
-    }
-  }
-}
-
 /// Decides the other candidates, which are not certain to be hits, or to be the nearest.
 void resolve_others(Packet& packet, std::uint32_t lanes) {
   const Candidates& all = packet.candidates;
@@ -296,11 +232,6 @@ void remember(Packet& packet, std::size_t lane, const std::uint32_t* block, std:
 
 void resolve(Packet& packet, std::uint32_t lanes) {
   resolve_best(packet, lanes);
-  resolve_others(packet, lanes);
-}
-
-void resolve_from_origin(Packet& packet, std::uint32_t lanes) {
-  resolve_best_from_origin(packet, lanes);
   resolve_others(packet, lanes);
 }
 

@@ -31,7 +31,4 @@ void remember(Packet& packet, std::size_t lane, const std::uint32_t* block, std:
 /// Decides all that these rays remember, several at a time.
 void resolve(Packet& packet, std::uint32_t lanes);
 
-/// Decides all that these rays remember, given that they have one origin, which takes less time.
-void resolve_from_origin(Packet& packet, std::uint32_t lanes);
-
 }  // namespace sightline::accel::wide

@@ -43,25 +43,27 @@ HWY_INLINE Floats least(const Floats& a, const Floats& b, const Floats& c) {
   return min(min(a, b), c);
 }
 
-/// The determinants of the edges, a computed bound on their errors, and the depths of the corners.
-struct Edges {
-  Floats ab, bc, ca, bound;
-  Floats a, b, c;
-};
-
-/// Decides by determinants. Returns whether any is possible.
-HWY_INLINE bool judge(const Edges& edges, const Limits& limits, std::uint32_t lanes, Verdict& out) {
-  const auto& [ab, bc, ca, bound, a, b, c] = edges;
+/// Decides by the determinants of the edges and a bound on their errors. Returns whether any pair
+/// is possible.
+HWY_INLINE bool judge(const std::array<Corner, 3>& corners, const Limits& limits,
+                      std::uint32_t lanes, Verdict& out) {
+  const auto& [a, b, c] = corners;
+  const Floats size = max(most(abs(a.x), abs(b.x), abs(c.x)), most(abs(a.y), abs(b.y), abs(c.y)));
+  const Floats near = least(a.z, b.z, c.z), far = most(a.z, b.z, c.z);
+  const Floats deepest = max(abs(near), abs(far));
+  const Floats error = mul_add(size + deepest, Floats::set(0x1p-20f), limits.error);
+  const Floats bound = mul_add(error * Floats::set(4.25f), size + error,
+                               mul_add(size * size, Floats::set(0x1p-21f), Floats::set(kTiny)));
+  const Floats ab = mul_sub(a.x, b.y, a.y * b.x), bc = mul_sub(b.x, c.y, b.y * c.x),
+               ca = mul_sub(c.x, a.y, c.y * a.x);
   const Floats zero = Floats::set(0);
-  const Floats near = least(a, b, c), far = most(a, b, c);
   const Floats greatest = most(ab, bc, ca), smallest = zero - least(ab, bc, ca);
   const std::uint32_t missed =
       ((greatest > bound) & (smallest > bound)) | (near > limits.high) | (far < limits.low);
   out.possible = lanes & ~missed;
   if (out.possible == 0) return false;
-  const Floats deepest = max(abs(near), abs(far));
   const Floats whole = ab + bc + ca, inverse = Floats::set(1) / whole;
-  out.depth = mul_add(bc * inverse, a, mul_add(ca * inverse, b, ab * inverse * c));
+  out.depth = mul_add(bc * inverse, a.z, mul_add(ca * inverse, b.z, ab * inverse * c.z));
   const Floats share = abs(bound * Floats::set(6.5f) * inverse);
   const Floats weights = share + Floats::set(1);
   out.off = mul_add(share, far - near, deepest * Floats::set(0x1p-20f) * weights * weights);
@@ -72,20 +74,6 @@ HWY_INLINE bool judge(const Edges& edges, const Limits& limits, std::uint32_t la
   out.possible &= ~(one_sign & (whole * limits.cull > zero));
   out.certain = out.possible & one_sign;
   return out.possible != 0;
-}
-
-/// Decides by the corners that the rays see.
-HWY_INLINE bool judge(const std::array<Corner, 3>& corners, const Limits& limits,
-                      std::uint32_t lanes, Verdict& out) {
-  const auto& [a, b, c] = corners;
-  const Floats size = max(most(abs(a.x), abs(b.x), abs(c.x)), most(abs(a.y), abs(b.y), abs(c.y)));
-  const Floats deepest = most(abs(a.z), abs(b.z), abs(c.z));
-  const Floats error = mul_add(size + deepest, Floats::set(0x1p-20f), limits.error);
-  const Floats bound = mul_add(error * Floats::set(4.25f), size + error,
-                               mul_add(size * size, Floats::set(0x1p-21f), Floats::set(kTiny)));
-  return judge(Edges{mul_sub(a.x, b.y, a.y * b.x), mul_sub(b.x, c.y, b.y * c.x),
-                     mul_sub(c.x, a.y, c.y * a.x), bound, a.z, b.z, c.z},
-               limits, lanes, out);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -67,8 +67,7 @@ void grow_at(accel::lazy::LazyTree& tree, const accel::geometry::Vec3d& point) {
   for (accel::kdtree::AtomicSlot* at = &tree.root(); at != nullptr;) {
     const Slot slot = accel::kdtree::load(*at);
     if (slot.is_deferred()) {
-      if (tree.expand(*at, built) != accel::lazy::AtCell::kAdvance)
-        return;
+      if (tree.expand(*at, built) != accel::lazy::AtCell::kAdvance) return;
     } else {
       at = slot.is_node() ? child_at(*slot.node(), point) : nullptr;
     }

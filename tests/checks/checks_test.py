@@ -225,8 +225,8 @@ class Words(Tree):
             ("accel/kdtree/a.h", "int place = 0;\n", '"place"'),
             ("accel/kdtree/departed.h", "int index;\n", '"departed"'),
             ("tests/accel/a_test.cpp", "int mark_movers();\n", '"mark_movers"'),
-            ("docs/a.md", "A pencil of rays.\n", 'a.md:1: "pencil": say frustum'),
-            ("accel/kdtree/a.h", "// A pencil of rays.\n", 'a.h:1: "pencil": say frustum'),
+            ("docs/a.md", "A pencil of rays.\n", 'a.md:1: "pencil": say packet'),
+            ("accel/kdtree/a.h", "// A pencil of rays.\n", 'a.h:1: "pencil": say packet'),
             ("docs/decisions/a.md", "# A\n\nThat comes\nof it.\n", 'a.md:3: "comes of"'),
         ]:
             with self.subTest(text=text):

@@ -30,7 +30,7 @@ scenegraph/instances        scenegraph/model scenegraph/hierarchy
                             proto/result accel/geometry accel/kdtree accel/lazy
 scenegraph/revision         scenegraph/model scenegraph/hierarchy scenegraph/instances
                             proto/result accel/kdtree accel/lazy accel/mesh
-scenegraph/trace_options    accel/geometry
+scenegraph/trace_options    accel/geometry accel/lazy
 scenegraph/query            scenegraph/model scenegraph/instances scenegraph/revision scenegraph/trace_options
                             proto/result accel/geometry accel/kdtree accel/wide accel/lazy accel/mesh
 scenegraph/trace            scenegraph/* proto/result accel/geometry accel/kdtree

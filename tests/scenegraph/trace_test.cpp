@@ -254,11 +254,10 @@ TEST(Trace, StopsBetweenPostponedPackets) {
   const query::Caster caster(pin, snapshot->trees(), QueryKind::kClosest, {});
   std::vector<query::RayPacket> postponed(5, {0, accel::wide::kLanes});
   std::atomic<bool> cancelled{false};
-  query::answer_postponed(postponed, caster, &cancelled,
-                          [&](const query::RayPacket&, bool) {
-                            cancelled = postponed.size() == 3;
-                            return 0u;
-                          });
+  query::answer_postponed(postponed, caster, &cancelled, [&](const query::RayPacket&, bool) {
+    cancelled = postponed.size() == 3;
+    return 0u;
+  });
   EXPECT_EQ(postponed.size(), 2u);
 }
 

@@ -18,8 +18,7 @@ namespace {
 /// Expands all cells below the slot, one by one.
 void touch_all(LazyTree& tree, kdtree::AtomicSlot& slot) {
   kdtree::BuildCounters counters;
-  while (kdtree::load(slot).is_deferred())
-    ASSERT_EQ(tree.expand(slot, counters), AtCell::kAdvance);
+  while (kdtree::load(slot).is_deferred()) ASSERT_EQ(tree.expand(slot, counters), AtCell::kAdvance);
   const kdtree::Slot now = kdtree::load(slot);
   if (!now.is_node()) return;
   for (std::size_t i = 0; i < kdtree::kWidth; ++i) touch_all(tree, now.node()->slot(i));

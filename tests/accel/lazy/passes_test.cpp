@@ -180,8 +180,7 @@ TEST(Passes, ACancelledThreadLeavesAfterASliceAndTheNextOneGoesOn) {
   kdtree::BuildCounters counters;
   {
     const kdtree::EpochPin pin;
-    EXPECT_EQ(tree->expand(tree->root(), counters, cancelled.get()),
-              AtCell::kSearch);
+    EXPECT_EQ(tree->expand(tree->root(), counters, cancelled.get()), AtCell::kSearch);
     EXPECT_TRUE(kdtree::load(tree->root()).is_deferred());
   }
   EXPECT_EQ(*slices, 3) << "none after the one that was cancelled";

@@ -106,8 +106,7 @@ class Growth {
       kind.references += &kind == &finished ? cell.weight : cell.size;
       ++kind.cells;
       accel::kdtree::BuildCounters built;
-      kind.seconds +=
-          seconds_of([&] { tree_.expand(slot, built); });
+      kind.seconds += seconds_of([&] { tree_.expand(slot, built); });
     }
     const accel::kdtree::Slot now = accel::kdtree::load(slot);
     if (!now.is_node()) return;

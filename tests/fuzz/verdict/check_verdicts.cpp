@@ -12,7 +12,6 @@
 #include "accel/geometry/intersect.h"
 #include "accel/wide/float_rays.h"
 #include "accel/wide/walk.h"
-#include "tests/fuzz/verdict/check_frustums.h"
 #include "tests/fuzz/verdict/check_packets.h"
 #include "tests/fuzz/verdict/exact_answers.h"
 #include "tests/fuzz/verdict/float_verdicts.h"
@@ -217,8 +216,7 @@ std::optional<std::string> check_verdicts(const VerdictCase& asked, VerdictTally
   VerdictCheck check(asked, tree, exact, tally);
   check.run();
   if (check.finding) return check.finding;
-  if (auto wrong = check_packets(asked, tree, exact)) return wrong;
-  return check_frustums(asked, tree, tally.in_frustums);
+  return check_packets(asked, tree, exact);
 }
 
 }  // namespace

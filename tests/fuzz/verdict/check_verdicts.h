@@ -14,11 +14,10 @@ struct VerdictTally {
   std::uint64_t packets = 0, pairs = 0, hits = 0;
   std::uint64_t sure_misses = 0, sure_hits = 0;  ///< Pairs that floats decide.
   std::uint64_t groups = 0;                      ///< Groups of several rays.
-  std::uint64_t in_frustums = 0;                 ///< Rays that frustums answer.
 };
 
-/// Searches a case for a counterexample to docs/hit_rule.md, sections 7 and 8, on one SIMD target
-/// of the processor: its number, modulo how many there are. Describes the first, or nothing.
+/// Searches a case for a counterexample to docs/hit_rule.md, section 7, on one SIMD target of
+/// the processor: its number, modulo how many there are. Describes the first, or nothing.
 std::optional<std::string> check_on_target(std::size_t target, const VerdictCase& asked,
                                            VerdictTally& tally);
 

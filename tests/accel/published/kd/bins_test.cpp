@@ -12,7 +12,6 @@
 namespace sightline::accel::published::kd {
 namespace {
 
-
 TEST(AxisBins, CountsWhereBoxesStartAndEnd) {
   AxisBins bins(0, 8, 4);
   bins.add(0, 1, 1);
