@@ -1,29 +1,42 @@
 // The command line's names of Embree's builders.
-#include <algorithm>
 #include <array>
-#include <utility>
+#include <cstddef>
 
 #include "tests/bench/embree/peer.h"
 
 namespace sightline::bench {
 namespace {
 
-constexpr std::array<std::string_view, 5> kNames{"embree-low", "embree-medium", "embree-high",
-                                                 "embree-low-robust", "embree-medium-robust"};
-constexpr std::array<EmbreeSettings, 5> kSettings{{{EmbreeQuality::kLow, false, false},
-                                                   {EmbreeQuality::kMedium, false, false},
-                                                   {EmbreeQuality::kHigh, false, false},
-                                                   {EmbreeQuality::kLow, true, false},
-                                                   {EmbreeQuality::kMedium, true, false}}};
+struct Named {
+  std::string_view name;
+  EmbreeSettings settings;
+};
+
+constexpr std::array<Named, 6> kNamed{{
+    {"embree-low", {.quality = EmbreeQuality::kLow}},
+    {"embree-medium", {.quality = EmbreeQuality::kMedium}},
+    {"embree-high", {.quality = EmbreeQuality::kHigh}},
+    {"embree-low-robust", {.quality = EmbreeQuality::kLow, .robust = true}},
+    {"embree-medium-robust", {.quality = EmbreeQuality::kMedium, .robust = true}},
+    {"embree-medium-robust-single",
+     {.quality = EmbreeQuality::kMedium, .robust = true, .single = true}},
+}};
+
+constexpr auto kNames = [] {
+  std::array<std::string_view, kNamed.size()> names;
+  for (std::size_t i = 0; i < names.size(); ++i) names[i] = kNamed[i].name;
+  return names;
+}();
 
 }  // namespace
 
 std::span<const std::string_view> embree_names() { return kNames; }
 
 std::optional<EmbreeSettings> parse_embree(std::string_view name) {
-  const auto found = std::find(kNames.begin(), kNames.end(), name);
-  if (found == kNames.end()) return std::nullopt;
-  return kSettings[static_cast<std::size_t>(found - kNames.begin())];
+  for (const Named& named : kNamed) {
+    if (named.name == name) return named.settings;
+  }
+  return std::nullopt;
 }
 
 }  // namespace sightline::bench

@@ -117,7 +117,8 @@ Result<EmbreeBuilt> Peer::build() {
 
 void Peer::choose_entry(std::span<const accel::geometry::Ray> rays, bool any) {
   any_ = any;
-  entry_ = fastest_entry(scene_.get(), rays, frame_, any, !objects_.empty());
+  entry_ = settings_.single ? EmbreeEntry{}
+                            : fastest_entry(scene_.get(), rays, frame_, any, !objects_.empty());
 }
 
 double Peer::trace(std::span<const accel::geometry::Ray> rays, bool any,

@@ -23,9 +23,12 @@ struct EmbreeSettings {
   bool robust = false;
   /// Needed by count(); slower to trace.
   bool crossings = false;
+  /// Only rtcIntersect1 and rtcOccluded1, as callers with one ray at a time use Embree: no other
+  /// entry point is tried.
+  bool single = false;
 };
 
-/// The command line's names: embree-low, ..., embree-medium-robust.
+/// The command line's names: embree-low, ..., embree-medium-robust-single.
 std::span<const std::string_view> embree_names();
 /// Nothing if `name` is none of them.
 std::optional<EmbreeSettings> parse_embree(std::string_view name);
@@ -75,7 +78,8 @@ class EmbreePeer {
   /// Drops the scene and builds a new one. Errors: kInternal: Embree's error.
   virtual Result<EmbreeBuilt> build() = 0;
 
-  /// Tries every entry point on blocks of these rays and keeps the fastest. Call after build().
+  /// Tries every entry point on blocks of these rays and keeps the fastest; with the setting
+  /// `single` there is only one. Call after build().
   virtual void choose_entry(std::span<const accel::geometry::Ray> rays, bool any) = 0;
   /// E.g. "rtcIntersect16 coherent".
   virtual std::string entry() const = 0;

@@ -86,6 +86,21 @@ TEST_F(EmbreePeerTest, AgreesWithOurAnswersForEveryQualityAndKind) {
   }
 }
 
+TEST_F(EmbreePeerTest, SingleRaysTryNoOtherEntryPoint) {
+  const SceneSource scene = family();
+  const auto settings = parse_embree("embree-medium-robust-single");
+  ASSERT_TRUE(settings && settings->single && settings->robust);
+  auto peer = EmbreePeer::make(scene, *settings, 2);
+  ASSERT_TRUE(peer.ok());
+  ASSERT_TRUE((*peer)->build().ok());
+  // Coherent rays, for which packets are faster.
+  const Answers ours = answers(scene, RayKind::kOverview, false);
+  (*peer)->choose_entry(ours.rays, false);
+  EXPECT_EQ((*peer)->entry(), "rtcIntersect1");
+  (*peer)->choose_entry(ours.rays, true);
+  EXPECT_EQ((*peer)->entry(), "rtcOccluded1");
+}
+
 TEST_F(EmbreePeerTest, BatchesAndRebuildingChangeNoAnswer) {
   const SceneSource scene = family();
   const Answers ours = answers(scene, RayKind::kRandom, false);

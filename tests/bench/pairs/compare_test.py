@@ -12,7 +12,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 
 import readings
-from experiments import Experiment, Plan
+from experiments import FORMS, SINGLE, Experiment, Plan, has_nodes
 from programs import Failed, Program
 from quotients import gains, geometric_mean, quantile, quartiles
 from tables import table, tables
@@ -96,7 +96,7 @@ class Turns(unittest.TestCase):
     def test_rows_have_the_medians_of_quotients_over_old_and_embree(self):
         costs, answers = self.turns(([2, 4, 6], "aaa"), ([1, 1, 2], "aaa"))
         old, embree = compare(EXPERIMENT, costs)
-        self.assertEqual((old["over"], old["theirs"], old["new"], old["gain"]), (OLD, 4000, 1000, 3))
+        self.assertEqual((old["over"], old["theirs"], old["new"], old["gain"], old["form"]), (OLD, 4000, 1000, 3, ""))
         self.assertEqual((old["gain_q1"], old["gain_q3"], old["pairs"]), (2.5, 3.5, 3))
         self.assertEqual((embree["over"], embree["gain"]), ("embree-high", 4))
         self.assertEqual(answers["hit_hash"], "a")
@@ -109,13 +109,24 @@ class Turns(unittest.TestCase):
 
 class Tables(unittest.TestCase):
     def row(self, scene, gain, **more):
-        return {"kind": "trace", "scene": scene, "rays": "random", "threads": 1, "quantity": "trace", "unit": "ns/ray", "over": OLD,
-                "pairs": 3, "new": 10.0, "theirs": 10.0 * gain, "gain": gain, "gain_q1": gain, "gain_q3": gain, **more}
+        return {"kind": "trace", "scene": scene, "form": "", "rays": "random", "threads": 1, "quantity": "trace", "unit": "ns/ray",
+                "over": OLD, "pairs": 3, "new": 10.0, "theirs": 10.0 * gain, "gain": gain, "gain_q1": gain, "gain_q3": gain, **more}
 
     def test_several_lines_have_a_mean(self):
         text = table([self.row("bunny", 2.0), self.row("dragon", 0.5)])
         self.assertIn("2.00 [2.00, 2.00]", text)
         self.assertRegex(text.splitlines()[-1], r"geometric mean\s+1.00")
+
+    def test_each_form_has_a_mean_to_which_scenes_of_one_mesh_belong(self):
+        lines = table([self.row("bunny", 2.0), self.row("sponza", 8.0, form="kept"), self.row("sponza", 0.5, form="merged")]).splitlines()
+        self.assertRegex(lines[2], r"^sponza, kept  +random .* 8.00")
+        self.assertRegex(lines[3], r"^sponza, merged  +random .* 0.50")
+        self.assertRegex(lines[4], r"^geometric mean, kept  +4.00$")
+        self.assertRegex(lines[5], r"^geometric mean, merged  +1.00$")
+
+    def test_one_form_has_one_mean(self):
+        lines = table([self.row("bunny", 2.0), self.row("sponza", 8.0, form="kept")]).splitlines()
+        self.assertRegex(lines[-1], r"^geometric mean  +4.00$")
 
     def test_each_number_of_threads_has_a_table(self):
         text = tables([self.row("bunny", 2.0), self.row("bunny", 2.0, threads=2)])
@@ -124,20 +135,46 @@ class Tables(unittest.TestCase):
 
 
 class Plans(unittest.TestCase):
-    def plan(self, **more):
+    def plan(self, lacking=(), **more):
         options = {"kinds": ["trace"], "threads": [1, 2], "scenes": ["bunny", "herd"], "rays": ["random", "shadow"], "count": 100,
-                   "repeat": 1, "seed": 1, "embree": True, "scenes_folder": "/scenes", "merge": False, "columns": False, **more}
-        return Plan(argparse.Namespace(**options)).experiments()
+                   "repeat": 1, "seed": 1, "embree": True, "scenes_folder": "/scenes", "forms": list(FORMS), "columns": False,
+                   **more}
+        return Plan(argparse.Namespace(**options), lacking).experiments()
 
     def test_shadow_rays_are_traced_for_the_closest_and_any_hit(self):
         self.assertEqual([e.title for e in self.plan(scenes=["bunny"], threads=[1])],
                          ["trace bunny, random, closest, 1 thread", "trace bunny, shadow, closest, 1 thread",
                           "trace bunny, shadow, any, 1 thread"])
 
-    def test_one_mesh_and_columns_are_asked_of_the_program(self):
+    def test_columns_are_asked_of_the_program(self):
         plain, = self.plan(scenes=["bunny"], rays=["random"], threads=[1])
-        other, = self.plan(scenes=["bunny"], rays=["random"], threads=[1], merge=True, columns=True)
-        self.assertEqual(set(other.words) - set(plain.words), {"--merge", "--columns"})
+        other, = self.plan(scenes=["bunny"], rays=["random"], threads=[1], columns=True)
+        self.assertEqual(set(other.words) - set(plain.words), {"--columns"})
+
+    def test_scenes_of_nodes_are_measured_with_them_and_then_merged(self):
+        for kind in "trace", "build":
+            plan = self.plan(kinds=[kind], scenes=["sponza", "bunny", "city"], rays=["random"], threads=[1])
+            self.assertEqual([(e.scene, e.form, "--merge" in e.words) for e in plan],
+                             [("sponza", "kept", False), ("bunny", "", False), ("city", "kept", False), ("sponza", "merged", True),
+                              ("city", "merged", True)])
+            self.assertTrue(plan[3].title.startswith(f"{kind} sponza, merged"))
+
+    def test_one_form_is_measured_if_it_is_asked_for(self):
+        plan = lambda *forms: [(e.scene, e.form) for e in self.plan(scenes=["sponza", "bunny"], rays=["random"], threads=[1], forms=forms)]
+        self.assertEqual(plan("kept"), [("sponza", "kept"), ("bunny", "")])
+        self.assertEqual(plan("merged"), [("sponza", "merged"), ("bunny", "")])
+
+    def test_what_can_have_nodes_is_seen_by_its_name(self):
+        for text in ("fzk_haus.ifc", "/a/sponza.glb", "gen:city?boxes=9", "gen:stadium", "gen:shuffled?mesh=a.obj&seed=2",
+                     "gen:box?mesh=a.ply"):
+            self.assertTrue(has_nodes(text), text)
+        for text in "bunny.ply", "/a/part.STL", "gen:terrain?triangles=9", "gen:wall", "gen:shuffled?mesh=a.ply&seed=2":
+            self.assertFalse(has_nodes(text), text)
+
+    def test_single_rays_are_traced_by_embree_where_both_programs_can(self):
+        peers = lambda **more: self.plan(scenes=["bunny"], rays=["random"], threads=[1], **more)[0].words[-1]
+        self.assertEqual(peers(), "scan-fast,embree-medium-robust,embree-medium-robust-single")
+        self.assertEqual(peers(lacking=[SINGLE]), "scan-fast,embree-medium-robust")
 
     def test_generated_scenes_need_the_files_that_they_name(self):
         files = {e.scene: e.file for e in self.plan(scenes=["bunny", "herd", "terrain", "gen:stadium"])}
@@ -151,7 +188,9 @@ class Plans(unittest.TestCase):
 
 BENCH = """#!{python}
 import sys
-if "--help" in sys.argv:
+if sys.argv[1:] == ["trace", "--help"]:
+    print("  --builder TEXT scan-fast|{peer}; several by commas")
+elif "--help" in sys.argv:
     print("Subcommands:\\n  trace   Answer rays")
 elif "gen:bad" in sys.argv:
     sys.exit("no such scene")
@@ -166,9 +205,9 @@ class Command(unittest.TestCase):
         self.addCleanup(temporary.cleanup)
         self.folder = pathlib.Path(temporary.name)
 
-    def program(self, name, answers="a"):
+    def program(self, name, answers="a", peer=SINGLE):
         path = self.folder / name
-        path.write_text(BENCH.format(python=sys.executable, hash=answers))
+        path.write_text(BENCH.format(python=sys.executable, hash=answers, peer=peer))
         path.chmod(0o755)
         return path
 
@@ -196,6 +235,13 @@ class Command(unittest.TestCase):
     def test_equal_programs_are_well(self):
         program = self.program("same")
         self.assertEqual(self.run_compare(program, program, "--scenes", "gen:good", "--kinds", "trace").returncode, 0)
+
+    def test_a_peer_that_a_program_does_not_have_is_skipped(self):
+        done = self.run_compare(self.program("old", peer="embree-medium-robust"), self.program("new"), "--scenes", "gen:good", "--kinds",
+                                "trace")
+        self.assertEqual(done.returncode, 0)
+        self.assertIn(f"{SINGLE}: not in the old program", done.stdout)
+        self.assertIn("1 measured, with equal answers in all runs; 1 skipped, 0 failed", done.stdout)
 
     def test_a_run_without_end_fails(self):
         path = self.folder / "slow"

@@ -3,6 +3,7 @@ import hashlib
 import json
 import os
 import pathlib
+import re
 import shlex
 import signal
 import subprocess
@@ -61,6 +62,10 @@ class Program:
             raise Failed(f"{self.path}: {error.strerror}") from None
         _, _, listed = help_text.partition("Subcommands:")
         return {line.split()[0] for line in listed.splitlines() if line.startswith("  ") and line.strip()}
+
+    def names(self, verb, builder):
+        """Whether the help of the verb names this builder or peer."""
+        return re.search(rf"(?<![\w-]){re.escape(builder)}(?![\w-])", self.output([verb, "--help"])) is not None
 
     def describe(self):
         """What tells this program from others."""

@@ -1,4 +1,4 @@
-"""Readable tables of comparisons: one for each quantity and number of threads, a line a scene and kind of rays."""
+"""Readable tables of comparisons: one for each quantity and number of threads, a line a scene, form and kind of rays."""
 from quotients import geometric_mean
 
 KEY = "kind", "quantity", "unit", "threads"
@@ -21,21 +21,30 @@ def aligned(lines):
                                for column, (cell, width) in enumerate(zip(line, widths))).rstrip() for line in lines)
 
 
+def means(rows, sides):
+    """A line for each form, or one if there are fewer than two. A row without a form counts for every form."""
+    forms = list(dict.fromkeys(row["form"] for row in rows if row["form"]))
+    for form in forms if len(forms) > 1 else [None]:
+        counted = [row for row in rows if "gain" in row and (form is None or row["form"] in ("", form))]
+        gains = {side: [row["gain"] for row in counted if row["over"] == side] for side in sides}
+        yield ["geometric mean" if form is None else f"geometric mean, {form}", "", *[""] * (len(sides) + 1),
+               *(f"{geometric_mean(of):.2f}" if of else "-" for of in gains.values())]
+
+
 def table(rows):
-    """Of one quantity and number of threads. The last line has geometric means where there are several lines."""
+    """Of one quantity and number of threads. The last lines have geometric means where there are several lines."""
     sides = list(dict.fromkeys(row["over"] for row in rows))
     subjects = {}
     for row in rows:
-        subjects.setdefault((row["scene"], row["rays"]), {})[row["over"]] = row
+        subjects.setdefault((row["scene"], row["form"], row["rays"]), {})[row["over"]] = row
     lines = [["scene", "rays", *(f"{side}" for side in sides), "new", *(f"{side}/new" for side in sides)]]
-    for (scene, rays), of in subjects.items():
+    for (scene, form, rays), of in subjects.items():
         cost = lambda side: digits(of[side]["theirs"]) if side in of else "-"
         gain = lambda side: gain_text(of[side]) if side in of else "-"
-        lines.append([scene, rays, *map(cost, sides), digits(next(iter(of.values()))["new"]), *map(gain, sides)])
+        lines.append([f"{scene}, {form}" if form else scene, rays, *map(cost, sides), digits(next(iter(of.values()))["new"]),
+                      *map(gain, sides)])
     if len(subjects) > 1:
-        mean = lambda side: [row["gain"] for row in rows if row["over"] == side and "gain" in row]
-        means = [f"{geometric_mean(mean(side)):.2f}" if mean(side) else "-" for side in sides]
-        lines.append(["geometric mean", "", *[""] * (len(sides) + 1), *means])
+        lines += means(rows, sides)
     return aligned(lines)
 
 

@@ -45,8 +45,8 @@ def compare(experiment, costs):
         sides = {OLD: side(OLD, OURS)} if all((quantity, unit) in run for run in costs[OLD]) else {}
         sides |= {name: side(NEW, name) for name in costs[NEW][0][quantity, unit] if name != OURS}
         for over, theirs in sides.items():
-            row = {"kind": experiment.kind, "scene": experiment.scene, "rays": experiment.rays, "threads": experiment.threads,
-                   "quantity": quantity, "unit": unit, "over": over, "pairs": len(ours)}
+            row = {"kind": experiment.kind, "scene": experiment.scene, "form": experiment.form, "rays": experiment.rays,
+                   "threads": experiment.threads, "quantity": quantity, "unit": unit, "over": over, "pairs": len(ours)}
             for key, values in (("new", ours), ("theirs", theirs), ("gain", gains(theirs, ours))):
                 if values is not None:
                     row[key], row[f"{key}_q1"], row[f"{key}_q3"] = quartiles(values)

@@ -122,11 +122,13 @@ TEST(VerbBuild, HasRowsForEmbreeIfItIsAvailable) {
 
 TEST(VerbTrace, EmbreeRowsNameTheEntryPointAndTheDifferences) {
   if (!embree_found()) GTEST_SKIP() << "built without Embree 3";
-  const auto rows = run_trace(common("gen:city?boxes=200"),
-                              {.builders = {"scan-one-axis", "embree-medium", "embree-high"},
-                               .rays = some("overview", 1000)});
+  const auto rows = run_trace(
+      common("gen:city?boxes=200"),
+      {.builders = {"scan-one-axis", "embree-medium", "embree-high", "embree-medium-robust-single"},
+       .rays = some("overview", 1000)});
   ASSERT_TRUE(rows.ok()) << rows.error().message;
-  for (std::size_t b : {1u, 2u}) {
+  EXPECT_EQ((*rows)[3]["entry"], "rtcIntersect1");
+  for (std::size_t b : {1u, 2u, 3u}) {
     const Row& row = (*rows)[b];
     expect_keys(row, {"mrays_per_s", "hits", "hit_hash", "entry", "differences", "unexplained"});
     EXPECT_EQ(row["unexplained"], 0);
