@@ -105,7 +105,8 @@ struct Growing {
 
 TestMesh evicted_soup() { return tests::random_soup(6000, 0.05, 1); }
 
-std::size_t expect_exact(const Growing& of, std::span<const Ray> rays) {
+template <class Rays>
+std::size_t expect_exact(const Growing& of, const Rays& rays) {
   return tests::expect_exact(*of.tree, of.mesh, rays);
 }
 
@@ -193,16 +194,16 @@ TEST(Eviction, HardMeshesKeepTheirAnswers) {
         tests::random_soup(40, 0.3, 1), tests::with_nonfinite(4000, 3),
         tests::with_nonfinite(900, 1)}) {
     const Growing of(mesh);
-    const std::vector<Ray> rays = tests::make_hard_rays(of.mesh, 32, 8);
+    const tests::RaysByRule by_rule(of.mesh, tests::make_hard_rays(of.mesh, 32, 8));
     for (int turn = 0; turn < 2; ++turn) {
-      expect_exact(of, rays);
+      expect_exact(of, by_rule);
       of.evict_all();
-      expect_exact(of, rays);
+      expect_exact(of, by_rule);
       of.build();
       EXPECT_TRUE(of.tree->is_complete());
-      expect_exact(of, rays);
+      expect_exact(of, by_rule);
       of.evict_all();
-      of.cast_until_paid(rays);
+      of.cast_until_paid(by_rule.rays);
       of.expect_counted();
     }
   }
@@ -292,7 +293,7 @@ TEST(Eviction, ThreadsCastWhileAnotherEvicts) {
   for (const bool build : {false, true}) {
     const Growing of(evicted_soup());
     const std::vector<Ray> rays = tests::rays_at(of.mesh, 320, 9);
-    std::vector<tests::PacketAnswer> expected;
+    std::vector<tests::Answer> expected;
     for (const Ray& ray : rays) expected.push_back(search(of.mesh, ray, {}));
     std::atomic<std::size_t> wrong{0};
     std::atomic<int> casting{2}, turns{0};

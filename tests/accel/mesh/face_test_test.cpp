@@ -20,10 +20,10 @@ namespace sightline::accel::mesh {
 namespace {
 
 using geometry::Ray;
+using tests::Answer;
 using tests::AskedPacket;
-using tests::kPacketQuestions;
-using tests::PacketAnswer;
-using tests::PacketQuestion;
+using tests::kQuestions;
+using tests::Question;
 using tests::TestMesh;
 
 std::unique_ptr<MeshTree> tree_over(const TestMesh& mesh, const published::AnyBuilder& builder) {
@@ -47,18 +47,14 @@ std::vector<Ray> packet_rays_for(const TestMesh& mesh) {
   return rays;
 }
 
-/// A mesh, rays at it, and what the rule answers to each question.
+/// A mesh, rays at it, and what they hit by the rule.
 struct AskedMesh {
-  explicit AskedMesh(TestMesh of) : mesh(std::move(of)), rays(packet_rays_for(mesh)) {
-    for (const PacketQuestion& question : kPacketQuestions) {
-      std::vector<PacketAnswer>& answers = expected.emplace_back();
-      for (const Ray& ray : rays) answers.push_back(search(mesh, ray, question));
-    }
-  }
+  explicit AskedMesh(TestMesh of)
+      : mesh(std::move(of)), by_rule(mesh, packet_rays_for(mesh)), rays(by_rule.rays) {}
 
   TestMesh mesh;
-  std::vector<Ray> rays;
-  std::vector<std::vector<PacketAnswer>> expected;
+  tests::RaysByRule by_rule;
+  std::span<const Ray> rays;
 };
 
 std::vector<TestMesh> meshes() {
@@ -76,18 +72,18 @@ void grow(MeshTree& tree, std::span<const Ray> rays) {
 /// Asks in packets of all sizes, each question.
 void expect_exact(MeshTree& tree, const AskedMesh& of,
                   lazy::Growth growth = lazy::Growth::kFirstTouch) {
-  for (std::size_t q = 0; q < of.expected.size(); ++q) {
+  for (const Question& question : kQuestions) {
     std::size_t size = 1, hits = 0;
     for (std::size_t i = 0; i < of.rays.size(); i += size, size = size % wide::kLanes + 1) {
-      const auto part = std::span(of.rays).subspan(i, std::min(size, of.rays.size() - i));
-      AskedPacket asked(part, kPacketQuestions[q]);
+      const auto part = of.rays.subspan(i, std::min(size, of.rays.size() - i));
+      AskedPacket asked(part, question);
       asked.cells.growth = growth;
       asked.ask(tree);
       ASSERT_FALSE(asked.packet->stopped);
       ASSERT_EQ(asked.packet->saw_deferred & ~asked.lanes(), 0u);
       ASSERT_EQ(asked.work(), asked.walked.steps + asked.walked.tests);
       for (std::size_t lane = 0; lane < part.size(); ++lane) {
-        ASSERT_EQ(asked.answer(lane), of.expected[q][i + lane])
+        ASSERT_EQ(asked.answer(lane), of.by_rule.expected(i + lane, question))
             << "lane " << lane << " of " << part.size();
         hits += asked.answer(lane).found ? 1 : 0;
       }
@@ -99,16 +95,16 @@ void expect_exact(MeshTree& tree, const AskedMesh& of,
 /// A ray that has met no deferred cell has its answer; before the first ray, all that enter meet
 /// one.
 void expect_skipped_cells_are_reported(MeshTree& untouched, MeshTree& half, const AskedMesh& of) {
-  for (std::size_t q = 0; q < of.expected.size(); ++q) {
+  for (const Question& question : kQuestions) {
     for (std::size_t i = 0; i < of.rays.size(); i += wide::kLanes) {
-      const auto part = std::span(of.rays).subspan(i, std::min(wide::kLanes, of.rays.size() - i));
-      AskedPacket at_first(part, kPacketQuestions[q]), later(part, kPacketQuestions[q]);
+      const auto part = of.rays.subspan(i, std::min(wide::kLanes, of.rays.size() - i));
+      AskedPacket at_first(part, question), later(part, question);
       at_first.cells.growth = later.cells.growth = lazy::Growth::kBuiltOnly;
       at_first.ask(untouched);
       later.ask(half);
       EXPECT_EQ(at_first.best->found, 0u);
       for (std::size_t lane = 0; lane < part.size(); ++lane) {
-        const PacketAnswer& expected = of.expected[q][i + lane];
+        const Answer expected = of.by_rule.expected(i + lane, question);
         EXPECT_TRUE(!expected.found || (at_first.packet->saw_deferred >> lane & 1) != 0);
         if ((later.packet->saw_deferred >> lane & 1) != 0) continue;
         EXPECT_EQ(later.answer(lane), expected);
@@ -119,7 +115,7 @@ void expect_skipped_cells_are_reported(MeshTree& untouched, MeshTree& half, cons
 }
 
 void expect_all_is_built(MeshTree& finished, const AskedMesh& of) {
-  AskedPacket asked(std::span<const Ray>(of.rays).first(wide::kLanes), {});
+  AskedPacket asked(of.rays.first(wide::kLanes), {});
   asked.cells.growth = lazy::Growth::kBuiltOnly;
   asked.ask(finished);
   EXPECT_EQ(asked.packet->saw_deferred, 0u);
@@ -185,7 +181,7 @@ TEST_P(FaceTests, HitsOfSeveralTreesAreCompared) {
       asked.packet->instance = 1;
       asked.ask(*second);
       for (std::size_t lane = 0; lane < part.size(); ++lane) {
-        EXPECT_EQ(asked.answer(lane), search(mesh, part[lane], PacketQuestion{}));
+        EXPECT_EQ(asked.answer(lane), search(mesh, part[lane], Question{}));
         if (!asked.answer(lane).found) continue;
         EXPECT_EQ(asked.best->node[lane], 3u);
         EXPECT_EQ(asked.best->instance[lane], second_is_less ? 1u : 0u);

@@ -5,67 +5,38 @@
 
 #include <algorithm>
 #include <memory>
-#include <optional>
-#include <ostream>
 #include <span>
+#include <utility>
 #include <vector>
 
-#include "accel/geometry/intersect.h"
 #include "accel/kdtree/epoch.h"
 #include "accel/mesh/face_test.h"
 #include "accel/mesh/mesh_tree.h"
 #include "accel/wide/packet.h"
 #include "tests/accel/wide/mesh_as_tree.h"
+#include "tests/accel/wide/rule_over_mesh.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::tests {
 
-struct PacketQuestion {
-  bool any = false;
-  accel::geometry::Culling culling = accel::geometry::Culling::kNone;
-};
-
-inline constexpr PacketQuestion kPacketQuestions[] = {
-    {},
-    {.any = true},
-    {.culling = accel::geometry::Culling::kBack},
-    {.any = true, .culling = accel::geometry::Culling::kFront}};
-
-/// For any hit, only whether there is one.
-struct PacketAnswer {
-  bool found = false;
-  double t = 0;
-  std::uint32_t primitive = 0;
-  bool operator==(const PacketAnswer&) const = default;
-};
-
-inline std::ostream& operator<<(std::ostream& out, const PacketAnswer& answer) {
-  if (!answer.found) return out << "nothing";
-  return out << "t " << answer.t << ", triangle " << answer.primitive;
-}
-
-inline PacketAnswer search(const TestMesh& mesh, const accel::geometry::Ray& ray,
-                           const PacketQuestion& question) {
-  const auto local = *accel::geometry::make_local_ray(ray.origin, ray.direction);
-  PacketAnswer best;
-  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
-    const accel::geometry::Face& f = mesh.faces[i];
-    const accel::geometry::Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]],
-                                 &c = mesh.vertices[f[2]];
-    const std::optional<double> t = intersect(local, a, b, c);
-    if (!t || is_culled(question.culling, local, a, b, c)) continue;
-    const double world = *t * local.unit;
-    if (!(world >= ray.tmin && world <= ray.tmax) || (best.found && world >= best.t)) continue;
-    if (question.any) return {true};
-    best = {true, world, static_cast<std::uint32_t>(i)};
+/// Rays, and all that they hit by the rule.
+struct RaysByRule {
+  RaysByRule(const TestMesh& mesh, std::vector<accel::geometry::Ray> of) : rays(std::move(of)) {
+    for (const accel::geometry::Ray& ray : rays) hits.push_back(line_hits(mesh, ray));
   }
-  return best;
-}
+
+  Answer expected(std::size_t ray, const Question& question) const {
+    return answer(hits[ray], rays[ray], question);
+  }
+
+  std::vector<accel::geometry::Ray> rays;
+  std::vector<std::vector<LineHit>> hits;
+};
 
 /// The rays of one packet, asked once or more often. Not pinned.
 class AskedPacket {
  public:
-  AskedPacket(std::span<const accel::geometry::Ray> rays, const PacketQuestion& question)
+  AskedPacket(std::span<const accel::geometry::Ray> rays, const Question& question)
       : rays_(rays.size()), lanes_((2u << (rays.size() - 1)) - 1) {
     best->clear();
     packet->best = best.get();
@@ -87,7 +58,7 @@ class AskedPacket {
     accel::mesh::query_faces(tree, mesh, *packet, lanes_, cells, walked, built);
   }
 
-  PacketAnswer answer(std::size_t lane) const {
+  Answer answer(std::size_t lane) const {
     const bool found = (best->found >> lane & 1) != 0;
     if (!found || packet->goal == accel::wide::Goal::kAny) return {found};
     return {true, best->t[lane], best->primitive[lane]};
@@ -120,20 +91,26 @@ void each_packet(std::span<const accel::geometry::Ray> rays, std::size_t size, c
 /// The tree's packets answer every question as the hit rule does. Returns how many rays hit
 /// something.
 inline std::size_t expect_exact(accel::lazy::LazyTree& tree, const TestMesh& mesh,
-                                std::span<const accel::geometry::Ray> rays) {
+                                const RaysByRule& of) {
   std::size_t hits = 0;
-  each_packet(rays, accel::wide::kLanes, [&](std::span<const accel::geometry::Ray> part) {
-    for (const PacketQuestion& question : kPacketQuestions) {
+  for (std::size_t i = 0; i < of.rays.size(); i += accel::wide::kLanes) {
+    const auto part =
+        std::span(of.rays).subspan(i, std::min(accel::wide::kLanes, of.rays.size() - i));
+    for (const Question& question : kQuestions) {
       AskedPacket asked(part, question);
       asked.ask(tree, mesh.view());
       for (std::size_t lane = 0; lane < part.size(); ++lane) {
-        const PacketAnswer expected = search(mesh, part[lane], question);
+        const Answer expected = of.expected(i + lane, question);
         EXPECT_EQ(asked.answer(lane), expected);
         hits += expected.found ? 1 : 0;
       }
     }
-  });
+  }
   return hits;
+}
+inline std::size_t expect_exact(accel::lazy::LazyTree& tree, const TestMesh& mesh,
+                                std::span<const accel::geometry::Ray> rays) {
+  return expect_exact(tree, mesh, RaysByRule(mesh, {rays.begin(), rays.end()}));
 }
 
 }  // namespace sightline::tests

@@ -27,15 +27,34 @@ std::optional<double> hit(const TestMesh& mesh, std::size_t face, const Ray& ray
   return world;
 }
 
-Answer search(const TestMesh& mesh, const Ray& ray, const Question& question) {
-  Answer best;
+std::vector<LineHit> line_hits(const TestMesh& mesh, const Ray& ray) {
+  std::vector<LineHit> hits;
+  const geometry::LocalRay local = *geometry::make_local_ray(ray.origin, ray.direction);
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
-    const std::optional<double> t = hit(mesh, i, ray, question.culling);
-    if (!t || (best.found && *t >= best.t)) continue;
-    best = {true, *t, static_cast<std::uint32_t>(i)};
+    if (!accel::mesh::face_bounds(mesh.view(), i)) continue;
+    const geometry::Face& f = mesh.faces[i];
+    const Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]], &c = mesh.vertices[f[2]];
+    if (const std::optional<double> t = intersect(local, a, b, c)) {
+      hits.push_back({*t * local.unit, static_cast<std::uint32_t>(i),
+                      is_culled(Culling::kFront, local, a, b, c)});
+    }
+  }
+  return hits;
+}
+
+Answer answer(const std::vector<LineHit>& hits, const Ray& ray, const Question& question) {
+  Answer best;
+  for (const LineHit& hit : hits) {
+    const bool is_culled = question.culling == (hit.is_front ? Culling::kFront : Culling::kBack);
+    if (is_culled || !(hit.t >= ray.tmin && hit.t <= ray.tmax)) continue;
     if (question.any) return {true};
+    if (!best.found || hit.t < best.t) best = {true, hit.t, hit.primitive};
   }
   return best;
+}
+
+Answer search(const TestMesh& mesh, const Ray& ray, const Question& question) {
+  return answer(line_hits(mesh, ray), ray, question);
 }
 
 std::string text(const Ray& ray) {
