@@ -63,7 +63,7 @@ struct alignas(16) DeferredCell : Retirable {
   std::size_t size = 0;      ///< References in the cell, also if the list is not made.
   std::uint64_t weight = 0;  ///< Sum of the weights of all references.
   ChildScan first;  ///< Counts of the first pass, if they were made when the list was written.
-  /// What searches of the list have cost rays, in references that they read.
+  /// What searches of the list have cost rays, in the unit of accel/lazy/demand_costs.h.
   mutable std::atomic<std::uint64_t> spent{0};
   LastUse last_use;  ///< The last search of the list.
   /// Set once a thread has begun to expand a large cell: the passes that threads share

@@ -28,8 +28,8 @@ struct CellQuery {
   /// Whether the rays are samples, which stop at cells over faces.
   bool samples = false;
   Awaited awaited;  ///< Where samples have stopped.
-  /// If it does not wait: of the large cell, built by other threads, at which rays have stopped
-  /// last. Ask again when it has increased.
+  /// Set where rays have stopped because the thread does not wait: the progress of the large cell
+  /// that other threads build. Ask again when it has increased.
   std::uint64_t progress = 0;
   /// The walking thread's pin; renewed after cells were built, so that their old lists are freed.
   /// Null: it is not renewed.
