@@ -39,7 +39,7 @@ bool is_finite(const Affine& a);
 
 /// The inverse; nothing where the linear part is singular, not finite, or so nearly singular
 /// (condition above kMaxCondition, or numbers beyond the range of doubles) that no ray could be
-/// transformed by it.
+/// transformed by it. Its linear part is off by at most 2^-48 of its norm, times the condition.
 std::optional<Affine> inverse(const Affine& a);
 
 inline constexpr double kMaxCondition = 1e12;

@@ -2,6 +2,7 @@
 // instances out.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "scenegraph/trace.h"
 #include "tests/scenegraph/expect_oracle.h"
 #include "tests/scenegraph/put_node.h"
+#include "tests/scenegraph/random_hierarchy.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/compare_hits.h"
 #include "tests/support/kinds.h"
@@ -115,6 +117,42 @@ TEST(FarMeshes, EqualTheOracleHoweverTreesGrow) {
     }
   }
   EXPECT_GT(hits, 1000u);
+}
+
+/// Cubes that are stretched and turned, so that the rows of their transforms are almost parallel.
+/// Their ends are where an error of the inverse shows.
+TEST(Needles, EqualTheOracleAtTheirEnds) {
+  Random random(10);
+  std::uint64_t hits = 0;
+  for (const double stretch : {1e3, 1e5, 1e7, 1e9}) {
+    Scene scene;
+    std::vector<model::Update> updates;
+    std::vector<Ray> rays;
+    for (int i = 1; i <= 8; ++i) {
+      const model::Affine scale{{stretch, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+      const model::Affine world =
+          compose(compose(random_frame(random, tests::Frames::kRigid, 4), scale),
+                  random_frame(random, tests::Frames::kRigid, 0.1));
+      updates.emplace_back(tests::put_node(-i, 0, tests::mesh_of(tests::cube()), world));
+      double reach = 0;
+      for (const accel::geometry::Vec3f& v : tests::cube().vertices)
+        reach = std::max(reach, length(world.point(Vec3d(v))));
+      for (int ray = 0; ray < 60; ++ray) {
+        const accel::geometry::Vec3f corner = tests::cube().vertices[random.below(8)];
+        const Vec3d at = world.point(Vec3d(corner) * (1 + random.uniform(-1, 1) * 1e-4));
+        const Vec3d direction = random.direction();
+        rays.push_back({at - direction * reach, direction});
+      }
+    }
+    ASSERT_TRUE(scene.apply(updates));
+    const auto snapshot = scene.snapshot();
+    const tests::KindAnswers answers = tests::ask_all_kinds(*snapshot, rays, {});
+    const tests::KindComparison compared =
+        tests::compare_kinds(rays, answers, tests::BruteForce(snapshot), {});
+    EXPECT_EQ(compared.mismatches, 0u) << stretch << compared.report();
+    hits += compared.hits;
+  }
+  EXPECT_GT(hits, 100u);
 }
 
 }  // namespace

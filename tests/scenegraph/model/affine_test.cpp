@@ -3,8 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
+#include "accel/geometry/exact_sum.h"
+#include "tests/scenegraph/random_hierarchy.h"
 #include "tests/support/random.h"
 
 namespace sightline::scenegraph::model {
@@ -27,6 +31,46 @@ TEST(Affine, InverseIsTheInverse) {
     expect_near(back->point(a.point(p)), p, 1e-9);
     expect_near(compose(*back, a).point(p), p, 1e-9);
   }
+}
+
+/// The largest entry of a (b a - 1) in the linear parts, with exact sums: how far a point of the
+/// unit cube comes back from where it was taken.
+double way_back(const Affine& a, const Affine& b) {
+  double most = 0;
+  std::array<Vec3d, 3> residual;
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t column = 0; column < 3; ++column) {
+      accel::geometry::ExactSum sum(row == column ? -1 : 0);
+      for (std::size_t k = 0; k < 3; ++k) sum.add_product(b.m[4 * row + k], a.m[4 * k + column]);
+      residual[column][row] = sum.estimate();
+    }
+  }
+  for (const Vec3d& column : residual) {
+    const Vec3d back = a.direction(column);
+    most = std::max({most, std::fabs(back.x), std::fabs(back.y), std::fabs(back.z)});
+  }
+  return most;
+}
+
+TEST(Affine, InverseIsOffInProportionToTheCondition) {
+  tests::Random random(2);
+  int most_tested = 0;
+  for (int round = 0; round < 2000; ++round) {
+    const double stretch = std::exp2(random.uniform(0, 36));
+    const double second = random.below(2) == 0 ? 1 : std::exp2(random.uniform(0, 36));
+    const Affine scale{{stretch, 0, 0, 0, 0, second, 0, 0, 0, 0, 1, 0}};
+    const Affine turn = random_frame(random, tests::Frames::kRigid, 1);
+    const Affine a = compose(compose(turn, scale), random_frame(random, tests::Frames::kRigid, 1));
+    const auto back = inverse(a);
+    if (!back) continue;
+    double size = 0;
+    for (std::size_t row = 0; row < 3; ++row)
+      size = std::max({size, std::fabs(a.m[4 * row]), std::fabs(a.m[4 * row + 1]),
+                       std::fabs(a.m[4 * row + 2])});
+    EXPECT_LE(way_back(a, *back), 0x1p-48 * condition(a, *back) * size) << stretch << ' ' << second;
+    ++most_tested;
+  }
+  EXPECT_GT(most_tested, 1000);
 }
 
 TEST(Affine, ComposeAppliesTheInnerFirst) {
