@@ -30,6 +30,16 @@ struct Aabb {
   }
 };
 
+/// The part that two boxes have in common, empty if there is none.
+inline Aabb common(const Aabb& a, const Aabb& b) {
+  Aabb part;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    part.lo[axis] = std::max(a.lo[axis], b.lo[axis]);
+    part.hi[axis] = std::min(a.hi[axis], b.hi[axis]);
+  }
+  return part;
+}
+
 /// Half the surface area, in double: only ratios are ever used.
 inline double half_area(const Aabb& b) {
   const double x = static_cast<double>(b.hi.x) - static_cast<double>(b.lo.x);

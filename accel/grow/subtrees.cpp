@@ -10,14 +10,6 @@
 namespace sightline::accel::grow {
 namespace {
 
-geometry::Aabb common(geometry::Aabb a, const geometry::Aabb& b) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    a.lo[axis] = std::max(a.lo[axis], b.lo[axis]);
-    a.hi[axis] = std::min(a.hi[axis], b.hi[axis]);
-  }
-  return a;
-}
-
 std::size_t bytes_of_words(const blocks::Node& node) {
   return node.leaf() ? node.words * sizeof(std::uint32_t)
                      : bytes_of_words(*node.left) + bytes_of_words(*node.right);
@@ -49,7 +41,7 @@ const blocks::Node* Subtrees::list(std::span<const kdtree::Reference> refs,
   *words = static_cast<std::uint32_t>(refs.size());
   for (const kdtree::Reference& ref : refs) {
     *++words = ref.id;
-    leaf->box.grow(in_frame(context_.frame, common(ref.bounds(), cell)));
+    leaf->box.grow(in_frame(context_.frame, geometry::common(ref.bounds(), cell)));
   }
   return leaf;
 }

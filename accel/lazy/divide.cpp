@@ -68,15 +68,6 @@ PassSlice sift(const CellReader& reader, std::size_t slice, const grow::CellCut&
   return sides;
 }
 
-/// What of a list with these bounds lies in a cell.
-geometry::Aabb within(geometry::Aabb bounds, const geometry::Aabb& cell) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    bounds.lo[axis] = std::max(bounds.lo[axis], cell.lo[axis]);
-    bounds.hi[axis] = std::min(bounds.hi[axis], cell.hi[axis]);
-  }
-  return bounds;
-}
-
 /// One division of one cell.
 class Dividing {
  public:
@@ -141,7 +132,7 @@ class Dividing {
                                       NewLists& lists) {
     auto cell = std::make_unique<DeferredCell>();
     cell->box = box;
-    division.boxes.push_back(within(lists.bounds(division.cells.size()), box));
+    division.boxes.push_back(geometry::common(lists.bounds(division.cells.size()), box));
     lists.move_to(*cell, division.cells.size());
     return *division.cells.emplace_back(std::move(cell));
   }

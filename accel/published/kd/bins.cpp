@@ -64,11 +64,7 @@ geometry::Aabb content_bounds(std::span<const kdtree::Reference> refs, const geo
         grow_bounds(refs.subspan(begin, end - begin), sum);
       },
       [](geometry::Aabb& a, const geometry::Aabb& b) { a.grow(b); });
-  for (std::size_t a = 0; a < 3; ++a) {
-    bounds.lo[a] = std::max(bounds.lo[a], cell.lo[a]);
-    bounds.hi[a] = std::min(bounds.hi[a], cell.hi[a]);
-  }
-  return bounds;
+  return geometry::common(bounds, cell);
 }
 
 void count_bins(std::span<const kdtree::Reference> refs, const Sampling& sampling,

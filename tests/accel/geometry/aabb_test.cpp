@@ -30,6 +30,13 @@ TEST(WidenFlat, LeavesNoDenormalBounds) {
   EXPECT_GE(box.hi.x, 1e-40f);
 }
 
+TEST(Common, IsThePartInBothBoxes) {
+  const Aabb box{{0, 0, 0}, {2, 2, 2}};
+  EXPECT_EQ(common(box, {{1, -1, 0}, {3, 1, 2}}), (Aabb{{1, 0, 0}, {2, 1, 2}}));
+  EXPECT_FALSE(common(box, {{2, 0, 0}, {3, 2, 2}}).empty());
+  EXPECT_TRUE(common(box, {{3, 0, 0}, {4, 2, 2}}).empty());
+}
+
 TEST(Rounding, IsOutward) {
   EXPECT_LE(static_cast<double>(round_down(0.1)), 0.1);
   EXPECT_GE(static_cast<double>(round_up(0.1)), 0.1);
