@@ -124,12 +124,12 @@ TEST(FarMeshes, EqualTheOracleHoweverTreesGrow) {
 TEST(Needles, EqualTheOracleAtTheirEnds) {
   Random random(10);
   std::uint64_t hits = 0;
-  for (const double stretch : {1e3, 1e5, 1e7, 1e9}) {
+  for (const double factor : {1e3, 1e5, 1e7, 1e9}) {
     Scene scene;
     std::vector<model::Update> updates;
     std::vector<Ray> rays;
     for (int i = 1; i <= 8; ++i) {
-      const model::Affine scale{{stretch, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+      const model::Affine scale{{factor, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
       const model::Affine world =
           compose(compose(random_frame(random, tests::Frames::kRigid, 4), scale),
                   random_frame(random, tests::Frames::kRigid, 0.1));
@@ -149,7 +149,7 @@ TEST(Needles, EqualTheOracleAtTheirEnds) {
     const tests::KindAnswers answers = tests::ask_all_kinds(*snapshot, rays, {});
     const tests::KindComparison compared =
         tests::compare_kinds(rays, answers, tests::BruteForce(snapshot), {});
-    EXPECT_EQ(compared.mismatches, 0u) << stretch << compared.report();
+    EXPECT_EQ(compared.mismatches, 0u) << factor << compared.report();
     hits += compared.hits;
   }
   EXPECT_GT(hits, 100u);

@@ -56,9 +56,9 @@ TEST(Affine, InverseIsOffInProportionToTheCondition) {
   tests::Random random(2);
   int most_tested = 0;
   for (int round = 0; round < 2000; ++round) {
-    const double stretch = std::exp2(random.uniform(0, 36));
+    const double first = std::exp2(random.uniform(0, 36));
     const double second = random.below(2) == 0 ? 1 : std::exp2(random.uniform(0, 36));
-    const Affine scale{{stretch, 0, 0, 0, 0, second, 0, 0, 0, 0, 1, 0}};
+    const Affine scale{{first, 0, 0, 0, 0, second, 0, 0, 0, 0, 1, 0}};
     const Affine turn = random_frame(random, tests::Frames::kRigid, 1);
     const Affine a = compose(compose(turn, scale), random_frame(random, tests::Frames::kRigid, 1));
     const auto back = inverse(a);
@@ -67,7 +67,7 @@ TEST(Affine, InverseIsOffInProportionToTheCondition) {
     for (std::size_t row = 0; row < 3; ++row)
       size = std::max({size, std::fabs(a.m[4 * row]), std::fabs(a.m[4 * row + 1]),
                        std::fabs(a.m[4 * row + 2])});
-    EXPECT_LE(way_back(a, *back), 0x1p-48 * condition(a, *back) * size) << stretch << ' ' << second;
+    EXPECT_LE(way_back(a, *back), 0x1p-48 * condition(a, *back) * size) << first << ' ' << second;
     ++most_tested;
   }
   EXPECT_GT(most_tested, 1000);
