@@ -68,10 +68,14 @@ def check_flood(port, name, processes):
             break
         taken = peer.send(piece)
     peer.close()
-    kept = max(resident(process) - size for process, size in zip(processes, before))
-    print(f"{name}: {peer.sent / 1e6:.1f} MB sent, {kept / 1e6:.0f} MB kept", flush=True)
-    if kept > MOST_KEPT:
-        sys.exit(f"failed: {name}: {kept} bytes are kept")
+
+    def kept():
+        return max(resident(process) - size for process, size in zip(processes, before))
+
+    # What is on its way when the flood ends is no more than a busy machine is behind, and goes.
+    at_end = kept()
+    wait_for(f"{name}: {at_end} bytes are kept", lambda: kept() <= MOST_KEPT)
+    print(f"{name}: {peer.sent / 1e6:.1f} MB sent, {at_end / 1e6:.0f} MB held at its end, {kept() / 1e6:.0f} MB kept", flush=True)
 
 
 def is_closed(peer):
