@@ -72,7 +72,7 @@ def check_flood(port, name, processes):
     def kept():
         return max(resident(process) - size for process, size in zip(processes, before))
 
-    # What is on its way when the flood ends is no more than a busy machine is behind, and goes.
+    # A busy server still works on what was sent when the flood ends; then it must give the memory back.
     at_end = kept()
     wait_for(f"{name}: {at_end} bytes are kept", lambda: kept() <= MOST_KEPT)
     print(f"{name}: {peer.sent / 1e6:.1f} MB sent, {at_end / 1e6:.0f} MB held at its end, {kept() / 1e6:.0f} MB kept", flush=True)
