@@ -211,6 +211,27 @@ SceneSource make_shuffled(SceneSource scene, std::uint64_t seed) {
   return scene;
 }
 
+SceneSource make_spheres(std::uint64_t copies, int level, double offset, std::uint64_t seed) {
+  SceneSource scene;
+  const std::size_t sphere = scene.add_mesh(to_source(tests::icosphere(level)));
+  const auto side = static_cast<std::uint64_t>(std::ceil(std::cbrt(static_cast<double>(copies))));
+  for (std::uint64_t i = 0; i < copies; ++i) {
+    Random random(seed, i);
+    const auto angle = [&] { return random.uniform(0, 360); };
+    const auto scale = [&] { return std::exp2(random.uniform(-3, 3)); };
+    const auto share = [&] { return random.uniform(-1, 1); };
+    const double mirror = i % 2 == 0 ? 1 : -1;
+    const Affine shear{{mirror, share(), share(), 0, 0, 1, share(), 0, 0, 0, 1, 0}},
+        scales{{scale(), 0, 0, 0, 0, scale(), 0, 0, 0, 0, scale(), 0}};
+    const auto at = [&](std::uint64_t lot) { return offset + 6 * static_cast<double>(lot); };
+    const Affine moved = translation(at(i % side), at(i / side % side), at(i / side / side));
+    const Affine turned = compose(moved, rotation(angle(), angle(), angle()));
+    scene.add_node(std::nullopt, fmt::format("sphere {}", i),
+                   compose(turned, compose(shear, scales)), sphere);
+  }
+  return scene;
+}
+
 SceneSource make_boxed(SceneSource scene) {
   const SceneGeometry geometry(scene);
   const Vec3d center = geometry.center();

@@ -123,6 +123,13 @@ const std::vector<Generator>& all_generators() {
        [](const Values& v, const SceneLoader&) -> Made {
          return make_icosphere(static_cast<int>(v.count("level")), v.number("offset"));
        }},
+      {"spheres",
+       {{"copies", 64, 2, 100'000}, {"level", 2, 0, 5}, {"offset", 0, -1e9, 1e9, false}},
+       false,
+       [](const Values& v, const SceneLoader&) -> Made {
+         return make_spheres(v.count("copies"), static_cast<int>(v.count("level")),
+                             v.number("offset"), kGeneratorSeed);
+       }},
       {"grid",
        {triangles_key(100'000)},
        false,

@@ -45,6 +45,9 @@ SceneSource make_stadium();
 SceneSource make_slivers(std::uint64_t triangles, std::uint64_t seed);
 /// 20 * 4^level triangles on the unit sphere; the node is moved by `offset` along each axis.
 SceneSource make_icosphere(int level, double offset);
+/// Instances of an icosphere, rotated, sheared, scaled along axes by 1/8 to 8, and half of them
+/// mirrored, on a grid that is moved by `offset` along each axis.
+SceneSource make_spheres(std::uint64_t copies, int level, double offset, std::uint64_t seed);
 /// An axis-aligned wall in the unit cube, at x = `at`, with the `share` of the triangles, among
 /// small triangles that are denser toward the middle of x.
 SceneSource make_wall(std::uint64_t triangles, double share, double at, std::uint64_t seed);
