@@ -80,6 +80,7 @@ Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
       if (packet.lanes != 0) postponed.push_back(packet);
     }
     query::answer_postponed(postponed, caster, options.cancelled, cast);
+    trees.static_tree().count_entries(caster.static_entries(), options.cancelled);
     return caster.stats();
   };
   return trace_blocks(snapshot, kind, rays, kRaysPerBlock, options, answer);
@@ -100,6 +101,7 @@ TraceStats list_block(const instances::OpenTrees& trees, const RayColumns& rays,
       tallies[i + lane] = caster.list(lane, hits);
     }
   }
+  trees.static_tree().count_entries(caster.static_entries(), options.cancelled);
   return caster.stats();
 }
 

@@ -11,7 +11,9 @@
 #include "accel/blocks/block.h"
 #include "accel/geometry/intersect.h"
 #include "accel/wide/float_rays.h"
+#include "accel/wide/given_rays.h"
 #include "accel/wide/offer.h"
+#include "accel/wide/transform.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "accel/wide/exact.cpp"
@@ -105,27 +107,123 @@ void read_triangle(const std::uint32_t* words, std::size_t triangle, std::size_t
   }
 }
 
-/// Decides one triangle for each of `lanes`. Returns those for which offer() is true.
-std::uint32_t decide_together(Packet& packet, const LaneTriangles& triangles,
-                              const Column<const std::uint32_t*>& block,
-                              const Column<std::uint32_t>& triangle, std::uint32_t lanes) {
-  LaneVerdicts verdicts;
-  std::uint32_t taken = 0;
-  HWY_DYNAMIC_DISPATCH(judge_lanes)(packet.rays, packet.center, triangles, verdicts);
-  std::uint32_t hit = verdicts.hit & ~verdicts.miss;
-  if (packet.culling != geometry::Culling::kNone) hit = 0;
-  for (std::uint32_t left = lanes & ~verdicts.miss; left != 0; left &= left - 1) {
-    const auto lane = static_cast<std::size_t>(std::countr_zero(left));
-    const bool takes = (hit >> lane & 1) != 0 ? offer(packet, lane, verdicts.t[lane],
-                                                      offered(block[lane], triangle[lane]))
-                                              : decide(packet, lane, block[lane], triangle[lane]);
-    taken |= static_cast<std::uint32_t>(takes) << lane;
+/// A triangle of a flat tree, as its mesh has it.
+struct PlacedTriangle {
+  const PlacedMesh& mesh;
+  std::uint32_t id, face;
+
+  PlacedTriangle(const Packet& packet, const std::uint32_t* words, std::uint32_t triangle)
+      : PlacedTriangle(packet, Block(words), triangle) {}
+  PlacedTriangle(const Packet& packet, const Block& block, std::uint32_t triangle)
+      : mesh(packet.placed.all[block.mesh()]), id(block.id(triangle)), face(id - mesh.first) {}
+
+  const geometry::Vec3f& corner(std::size_t k) const {
+    return mesh.mesh.vertices[mesh.mesh.faces[face][k]];
   }
-  return taken;
+  /// Sets whose hits are offered. Where hits are counted, all meshes have one numbering.
+  OfferedTriangle offered(Packet& packet) const {
+    packet.node = mesh.node;
+    packet.instance = packet.placed.first_instance + mesh.instance;
+    const bool counts = packet.goal == Goal::kEvery && packet.sinks[0].primitives != nullptr;
+    return {counts ? id : face, nullptr, 0};
+  }
+};
+
+/// The ray of a lane in an instance's frame, with the bits that transform() gives. False if it is
+/// out of range there.
+bool local_ray(const GivenRays& given, std::size_t lane, const Matrix& m, geometry::LocalRay& ray) {
+  const geometry::Vec3d o{given.origin[0][lane], given.origin[1][lane], given.origin[2][lane]},
+      d{given.direction[0][lane], given.direction[1][lane], given.direction[2][lane]};
+  const auto linear = [&m](const geometry::Vec3d& v, std::size_t row) {
+    return m[4 * row] * v.x + m[4 * row + 1] * v.y + m[4 * row + 2] * v.z;
+  };
+  return geometry::set_local_ray({linear(o, 0) + m[3], linear(o, 1) + m[7], linear(o, 2) + m[11]},
+                                 {linear(d, 0), linear(d, 1), linear(d, 2)}, ray);
+}
+
+/// Decides a triangle of a flat tree in its mesh's own frame.
+bool decide_placed(Packet& packet, std::size_t lane, const PlacedTriangle& triangle) {
+  geometry::LocalRay ray;
+  return local_ray(*packet.placed.given, lane, *triangle.mesh.local_from_scene, ray) &&
+         decide(packet, lane, ray, triangle.corner(0), triangle.corner(1), triangle.corner(2),
+                triangle.offered(packet));
+}
+
+/// Decides one pair by the rule. Returns whether the ray's limits are to be tightened.
+bool decide_exactly(Packet& packet, std::size_t lane, const std::uint32_t* words,
+                    std::uint32_t triangle) {
+  const Block block(words);
+  if (packet.placed.all != nullptr) return decide_placed(packet, lane, {packet, block, triangle});
+  return decide(packet, lane, ray_of(packet.rays, lane), corner_of(packet, block, 0, triangle),
+                corner_of(packet, block, 1, triangle), corner_of(packet, block, 2, triangle),
+                offered(words, triangle));
 }
 
 /// From this many pairs on, deciding them together takes less time than one by one.
 constexpr int kTogether = 3;
+
+/// A triangle for each lane.
+struct LanePairs {
+  const Column<const std::uint32_t*>& block;
+  const Column<std::uint32_t>& triangle;
+};
+
+/// Reads the triangles of `lanes`, and of others any.
+void read_triangles(const LanePairs& pairs, std::uint32_t lanes, LaneTriangles& corners) {
+  const auto first = static_cast<std::size_t>(std::countr_zero(lanes));
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    const std::size_t from = (lanes >> lane & 1) != 0 ? lane : first;
+    read_triangle(pairs.block[from], pairs.triangle[from], lane, corners);
+  }
+}
+
+/// Does so in a flat tree, where it sets the rays in the frames of these triangles. Returns the
+/// lanes whose rays are in range there.
+std::uint32_t read_placed(const Packet& packet, const LanePairs& pairs, std::uint32_t lanes,
+                          LaneTriangles& corners, Rays& rays) {
+  const auto first = static_cast<std::size_t>(std::countr_zero(lanes));
+  Column<const Matrix*> frames;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    const std::size_t from = (lanes >> lane & 1) != 0 ? lane : first;
+    const PlacedTriangle triangle(packet, pairs.block[from], pairs.triangle[from]);
+    frames[lane] = triangle.mesh.local_from_scene;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      corners.a[axis][lane] = triangle.corner(0)[axis];
+      corners.b[axis][lane] = triangle.corner(1)[axis];
+      corners.c[axis][lane] = triangle.corner(2)[axis];
+    }
+  }
+  return transform(*packet.placed.given, frames, lanes, rays);
+}
+
+/// Decides one triangle for each of `lanes`, of which there are some. Returns those whose limits
+/// are to be tightened.
+std::uint32_t decide_together(Packet& packet, const LanePairs& pairs, std::uint32_t lanes) {
+  LaneTriangles corners;
+  LaneVerdicts verdicts;
+  const bool placed = packet.placed.all != nullptr;
+  if (placed) {
+    Rays rays;
+    lanes = read_placed(packet, pairs, lanes, corners, rays);
+    HWY_DYNAMIC_DISPATCH(judge_lanes)(rays, {0, 0, 0}, corners, verdicts);
+  } else {
+    read_triangles(pairs, lanes, corners);
+    HWY_DYNAMIC_DISPATCH(judge_lanes)(packet.rays, packet.center, corners, verdicts);
+  }
+  std::uint32_t hit = verdicts.hit & ~verdicts.miss, taken = 0;
+  if (packet.culling != geometry::Culling::kNone) hit = 0;
+  for (lanes &= ~verdicts.miss; lanes != 0; lanes &= lanes - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+    const std::uint32_t* const words = pairs.block[lane];
+    const std::uint32_t triangle = pairs.triangle[lane];
+    const bool takes = (hit >> lane & 1) == 0 ? decide_exactly(packet, lane, words, triangle)
+                       : placed               ? offer(packet, lane, verdicts.t[lane],
+                                                      PlacedTriangle(packet, words, triangle).offered(packet))
+                                : offer(packet, lane, verdicts.t[lane], offered(words, triangle));
+    taken |= static_cast<std::uint32_t>(takes) << lane;
+  }
+  return taken;
+}
 
 /// The rays of `lanes` whose best candidate may still be the nearest hit.
 std::uint32_t with_best(const Packet& packet, std::uint32_t lanes) {
@@ -142,20 +240,14 @@ std::uint32_t with_best(const Packet& packet, std::uint32_t lanes) {
 void resolve_best(Packet& packet, std::uint32_t lanes) {
   const Candidates& all = packet.candidates;
   lanes = with_best(packet, lanes);
-  if (std::popcount(lanes) < kTogether) {
-    for (; lanes != 0; lanes &= lanes - 1) {
-      const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
-      decide(packet, lane, all.best_block[lane], all.best_triangle[lane]);
-    }
+  if (std::popcount(lanes) >= kTogether) {
+    decide_together(packet, {all.best_block, all.best_triangle}, lanes);
     return;
   }
-  LaneTriangles triangles;
-  const auto first = static_cast<std::size_t>(std::countr_zero(lanes));
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    const std::size_t from = (lanes >> lane & 1) != 0 ? lane : first;
-    read_triangle(all.best_block[from], all.best_triangle[from], lane, triangles);
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+    decide(packet, lane, all.best_block[lane], all.best_triangle[lane]);
   }
-  decide_together(packet, triangles, all.best_block, all.best_triangle, lanes);
 }
 
 /// Decides the other candidates, which are not certain to be hits, or to be the nearest.
@@ -174,11 +266,7 @@ void resolve_others(Packet& packet, std::uint32_t lanes) {
 }  // namespace
 
 bool decide(Packet& packet, std::size_t lane, const std::uint32_t* words, std::uint32_t triangle) {
-  const Block block(words);
-  const bool takes =
-      decide(packet, lane, ray_of(packet.rays, lane), corner_of(packet, block, 0, triangle),
-             corner_of(packet, block, 1, triangle), corner_of(packet, block, 2, triangle),
-             offered(words, triangle));
+  const bool takes = decide_exactly(packet, lane, words, triangle);
   if (takes) tighten(packet, lane);
   return takes;
 }
@@ -191,13 +279,11 @@ bool decide_lanes(Packet& packet, std::uint32_t lanes, const std::uint32_t* word
       takes |= decide(packet, static_cast<std::size_t>(std::countr_zero(lanes)), words, triangle);
     return takes;
   }
-  LaneTriangles same;
-  for (std::size_t lane = 0; lane < kLanes; ++lane) read_triangle(words, triangle, lane, same);
   Column<const std::uint32_t*> blocks;
   Column<std::uint32_t> triangles;
   blocks.fill(words);
   triangles.fill(triangle);
-  const std::uint32_t taken = decide_together(packet, same, blocks, triangles, lanes);
+  const std::uint32_t taken = decide_together(packet, {blocks, triangles}, lanes);
   for (std::uint32_t left = taken; left != 0; left &= left - 1)
     tighten(packet, static_cast<std::size_t>(std::countr_zero(left)));
   return taken != 0;

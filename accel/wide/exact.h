@@ -9,6 +9,12 @@
 
 namespace sightline::accel::wide {
 
+/// The rays of `lanes` that see the mesh of a block, where not all see all (Visibility).
+inline std::uint32_t seeing(const Packet& packet, const blocks::Block& block, std::uint32_t lanes) {
+  const Visibility& visible = *packet.placed.visible;
+  return visible.seeing(visible.asked, packet.placed.all[block.mesh()], lanes);
+}
+
 /// Decides one pair now. Returns whether the ray's limits were tightened.
 bool decide(Packet& packet, std::size_t lane, const std::uint32_t* block, std::uint32_t triangle);
 

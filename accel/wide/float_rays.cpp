@@ -75,6 +75,7 @@ class Preparing {
     far_ = lanes & (frame_.is_boundless ? Doubles::kAll : far_);
     packet_.extent = largest_coordinate(frame_.bounds);
     if (far_ != 0) shift();
+    if (frame_.error > 0) off_ = off_ + Floats::set(frame_.error);
     shift_.store(out_.shift.data());
     off_.store(out_.off.data());
     for (std::size_t axis = 0; axis < 3; ++axis) set_origin(axis);
@@ -230,9 +231,9 @@ class Preparing {
     t_out_ = min(t_out_, widened_up(best, 0x1p-23f) + slack);
     t_in_.store(out_.t_in.data());
     t_out_.store(out_.t_out.data());
-    const Floats depth_slack =
-        mul_add(distance_, Floats::set(0x1p-21f),
-                mul_add(most_origin_, Floats::set(0x1p-22f), Floats::set(kTiny)));
+    const Floats depth_slack = mul_add(
+        distance_, Floats::set(0x1p-21f),
+        mul_add(most_origin_, Floats::set(0x1p-22f), Floats::set(4 * frame_.error + kTiny)));
     depth_slack.store(out_.slack.data());
     constexpr float kRounding = 0x1p-21f;
     (widened_down(t_in_ * depth_, kRounding) - depth_slack).store(out_.low.data());

@@ -16,6 +16,9 @@ struct Frame {
   geometry::Aabb bounds;
   float scale = 1;
   bool is_boundless = false;  ///< Whether the tree's bounds are infinite.
+  /// How far vertices in blocks, and rays as their meshes see them, may be from where they are;
+  /// more than 0 in flat trees alone.
+  float error = 0;
 };
 
 inline geometry::Aabb in_frame(const Frame& frame, const geometry::Aabb& box) {

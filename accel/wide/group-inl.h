@@ -107,6 +107,7 @@ class Group {
   void visit_block(Entry entry) {
     const std::uint32_t* const words = entry.at.block();
     const blocks::Block block(words);
+    if (packet_.placed.visible != nullptr) entry.lanes = seeing(packet_, block, entry.lanes);
     walked_.counters.tests +=
         block.triangles * static_cast<std::uint64_t>(std::popcount(entry.lanes));
     count(entry.lanes, block.triangles);

@@ -10,6 +10,7 @@
 #include "accel/geometry/aabb.h"
 #include "accel/geometry/facing.h"
 #include "accel/geometry/local_ray.h"
+#include "accel/wide/placed_mesh.h"
 #include "accel/wide/unique_hits.h"
 
 namespace sightline::accel::wide {
@@ -132,6 +133,7 @@ struct Packet {
   geometry::Culling culling = geometry::Culling::kNone;
   std::uint64_t node = 0;
   std::uint32_t instance = 0;
+  PlacedMeshes placed;
   std::span<const HitSink> sinks;  ///< The sink of each ray, for Goal::kEvery.
   geometry::Vec3f center;          ///< The center of the tree's frame.
   double scale = 1;                ///< The scale of the tree's frame.

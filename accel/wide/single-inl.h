@@ -128,6 +128,7 @@ class Single {
   void visit_block(Entry entry) {
     const std::uint32_t* const words = entry.at.block();
     const blocks::Block block(words);
+    if (packet_.placed.visible != nullptr && seeing(packet_, block, 1u << lane_) == 0) return;
     triangles_ += block.triangles;
     const FloatRays& rays = packet_.floats;
     const auto set = [&](const Column<float>& column) { return Floats::set(column[lane_]); };

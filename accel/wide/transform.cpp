@@ -1,7 +1,9 @@
 // All arithmetic is as in geometry::set_local_ray, and not fused.
 #include "accel/wide/transform.h"
 
+#include <array>
 #include <cstddef>
+#include <tuple>
 
 #include "accel/geometry/local_ray.h"
 
@@ -81,15 +83,32 @@ HWY_INLINE std::uint32_t set_rays(const GivenRays& given, const Vectors& origin,
   return good;
 }
 
-std::uint32_t transform_rays(const GivenRays& given, const Matrix& m, Rays& out) {
+/// entry(i) is the entry i of a matrix, in all lanes or in each lane that of its own.
+template <class Entry>
+HWY_INLINE std::uint32_t transform_by(const GivenRays& given, const Entry& entry, Rays& out) {
   const Vectors p = load(given.origin), d = load(given.direction);
-  if (m == kIdentity) return set_rays(given, p, d, out);
-  const auto set = [&](std::size_t i) { return Doubles::set(m[i]); };
   const auto linear = [&](const Vectors& v, std::size_t row) {
-    return set(4 * row) * v[0] + set(4 * row + 1) * v[1] + set(4 * row + 2) * v[2];
+    return entry(4 * row) * v[0] + entry(4 * row + 1) * v[1] + entry(4 * row + 2) * v[2];
   };
-  return set_rays(given, {linear(p, 0) + set(3), linear(p, 1) + set(7), linear(p, 2) + set(11)},
+  return set_rays(given,
+                  {linear(p, 0) + entry(3), linear(p, 1) + entry(7), linear(p, 2) + entry(11)},
                   {linear(d, 0), linear(d, 1), linear(d, 2)}, out);
+}
+
+std::uint32_t transform_rays(const GivenRays& given, const Matrix& m, Rays& out) {
+  if (m == kIdentity) return set_rays(given, load(given.origin), load(given.direction), out);
+  return transform_by(
+      given, [&](std::size_t i) { return Doubles::set(m[i]); }, out);
+}
+
+std::uint32_t transform_rays_each(const GivenRays& given, const Column<const Matrix*>& matrices,
+                                  Rays& out) {
+  std::array<Column<double>, std::tuple_size_v<Matrix>> columns;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    for (std::size_t i = 0; i < columns.size(); ++i) columns[i][lane] = (*matrices[lane])[i];
+  }
+  return transform_by(
+      given, [&](std::size_t i) { return Doubles::load(columns[i].data()); }, out);
 }
 
 std::uint32_t center_rays(const GivenRays& given, const geometry::Vec3d& center, Rays& out) {
@@ -104,6 +123,7 @@ HWY_AFTER_NAMESPACE();
 namespace sightline::accel::wide {
 
 HWY_EXPORT(transform_rays);
+HWY_EXPORT(transform_rays_each);
 HWY_EXPORT(center_rays);
 HWY_EXPORT(valid_rays);
 
@@ -114,6 +134,11 @@ std::uint32_t valid(const GivenRays& given, const geometry::Vec3d& center, std::
 std::uint32_t transform(const GivenRays& given, const Matrix& matrix, std::uint32_t lanes,
                         Rays& out) {
   return lanes & HWY_DYNAMIC_DISPATCH(transform_rays)(given, matrix, out);
+}
+
+std::uint32_t transform(const GivenRays& given, const Column<const Matrix*>& matrices,
+                        std::uint32_t lanes, Rays& out) {
+  return lanes & HWY_DYNAMIC_DISPATCH(transform_rays_each)(given, matrices, out);
 }
 
 std::uint32_t center(const GivenRays& given, const geometry::Vec3d& center, std::uint32_t lanes,

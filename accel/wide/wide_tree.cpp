@@ -164,7 +164,8 @@ class Leaves {
       std::memcpy(next_, words, leaf.words * sizeof(std::uint32_t));
       words = std::exchange(next_, next_ + leaf.words);
     }
-    return kind_ == LeafKind::kLists ? Slot::list(words) : Slot::block(words);
+    const bool is_list = kind_ == LeafKind::kLists || blocks::Block(words).vertices == 0;
+    return is_list ? Slot::list(words) : Slot::block(words);
   }
 
  private:

@@ -2,8 +2,13 @@
 #include "scenegraph/instances/instance_list.h"
 
 #include <algorithm>
+#include <new>
 
+#include <tbb/task_arena.h>
+
+#include "accel/kdtree/epoch.h"
 #include "accel/lazy/lazy_tree.h"
+#include "scenegraph/instances/flat_scene.h"
 #include "scenegraph/instances/instance_group.h"
 
 namespace sightline::scenegraph::instances {
@@ -14,15 +19,55 @@ using accel::kdtree::Reference;
 /// Groups that do not help culling are opened immediately until there are this many references.
 constexpr std::size_t kMaxImmediateRefs = kMaxUnclustered;
 
+/// A flat tree is made once there was one entry of a packet for this many of its triangles. To make
+/// it takes 50 to 190 ns a triangle; an entry takes 120 to 290 ns more than a walk of a flat tree.
+constexpr std::uint64_t kTrianglesPerEntry = 4;
+
 }  // namespace
 
 Instances::Instances(const hierarchy::Hierarchy& hierarchy, const MovedNodes* moved)
     : view_(hierarchy, moved),
       weight_shift_(weight_shift(view_.all().entry_cost)),
       instances_(view_.all().instances),
-      root_group_(root_group(view_)) {}
+      root_group_(root_group(view_)),
+      flat_at_(view_.all().triangles / kTrianglesPerEntry) {}
 
 Instances::~Instances() { delete roots_.load(std::memory_order_acquire); }
+
+std::shared_ptr<const accel::wide::FlatTree> Instances::flat() const {
+  const std::lock_guard lock(flat_mutex_);
+  return flat_;
+}
+
+void Instances::count_entries(std::uint64_t entries, const std::atomic<bool>* cancelled) const {
+  if (entries == 0) return;
+  const std::uint64_t all = entries_.fetch_add(entries, std::memory_order_relaxed) + entries;
+  if (all < flat_at_.load(std::memory_order_relaxed) ||
+      making_flat_.exchange(true, std::memory_order_acquire))
+    return;
+  flat_at_.store(2 * all, std::memory_order_relaxed);
+  try {
+    tbb::this_task_arena::isolate([&] { make_flat(cancelled); });
+  } catch (const std::bad_alloc&) {  // rays enter instances, as before
+  }
+  making_flat_.store(false, std::memory_order_release);
+}
+
+void Instances::make_flat(const std::atomic<bool>* cancelled) const {
+  const accel::kdtree::EpochPin pin;
+  const auto before = flat();
+  std::shared_ptr<const accel::wide::FlatTree> made = flatten(*this, before.get(), cancelled);
+  if (made == nullptr) return;
+  const std::lock_guard lock(flat_mutex_);
+  flat_.swap(made);
+}
+
+std::uint64_t Instances::drop_flat() const {
+  std::shared_ptr<const accel::wide::FlatTree> dropped;  // outside the lock: freeing takes time
+  const std::lock_guard lock(flat_mutex_);
+  dropped.swap(flat_);
+  return dropped == nullptr ? 0 : dropped->bytes();
+}
 
 void Instances::begin() const {
   if (begun()) return;
@@ -66,7 +111,10 @@ bool Instances::is_open(const Reference& ref) const {
   return now != nullptr && now->listed.load(std::memory_order_acquire);
 }
 
-std::uint64_t Instances::tree_bytes() const { return tree().tree().bytes(); }
+std::uint64_t Instances::tree_bytes() const {
+  const auto flat = this->flat();
+  return tree().tree().bytes() + (flat == nullptr ? 0 : flat->bytes());
+}
 
 /// Finds a group by its number. All groups above a referenced group have been opened.
 const Group& Instances::group(std::uint32_t number) const {

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,10 @@
 namespace sightline::accel::lazy {
 class LazyTree;
 }  // namespace sightline::accel::lazy
+
+namespace sightline::accel::wide {
+class FlatTree;
+}  // namespace sightline::accel::wide
 
 namespace sightline::scenegraph::instances {
 
@@ -43,6 +48,22 @@ class Instances {
   const Instance& operator[](std::size_t index) const {
     return *instances_[index].load(std::memory_order_acquire);
   }
+
+  /// Whether an instance was opened.
+  bool has(std::size_t index) const {
+    return instances_[index].load(std::memory_order_acquire) != nullptr;
+  }
+
+  /// One tree over the triangles of most instances, which batches of rays share; null where there
+  /// is none.
+  std::shared_ptr<const accel::wide::FlatTree> flat() const;
+  /// Counts entries of rays into instances that are not flat. Makes a flat tree once they have cost
+  /// as much as that, and again after twice as many.
+  void count_entries(std::uint64_t entries, const std::atomic<bool>* cancelled) const;
+  /// Makes a flat tree, if more instances can be flat than are (flatten()). Throws std::bad_alloc.
+  void make_flat(const std::atomic<bool>* cancelled = nullptr) const;
+  /// Leaves it to the batches that have it. Returns its bytes.
+  std::uint64_t drop_flat() const;
 
   /// Scene coordinates are taken relative to this point, so that the tree's floats are as fine as
   /// its extent allows.
@@ -101,6 +122,10 @@ class Instances {
   LazyArray<std::atomic<const Instance*>> instances_;
   std::unique_ptr<Group> root_group_;
   mutable std::atomic<const Roots*> roots_{nullptr};
+  mutable std::atomic<std::uint64_t> entries_{0}, flat_at_;
+  mutable std::atomic<bool> making_flat_{false};
+  mutable std::mutex flat_mutex_;  // held for one copy
+  mutable std::shared_ptr<const accel::wide::FlatTree> flat_;
   mutable std::atomic<std::uint64_t> opened_members_{0};
 };
 

@@ -8,6 +8,7 @@
 #include "accel/lazy/growing_leaf.h"
 #include "accel/lazy/lazy_tree.h"
 #include "accel/mesh/mesh_tree.h"
+#include "accel/wide/exact.h"
 #include "scenegraph/query/instance_tests.h"
 #include "scenegraph/query/surface.h"
 
@@ -40,6 +41,7 @@ Caster::Caster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees, 
                const TraceOptions& options)
     : pin_(pin),
       trees_(trees),
+      flat_(trees.static_tree().flat()),
       kind_(kind),
       options_(options),
       collected_(kind == QueryKind::kCount || kind == QueryKind::kAll ? kLanes : 0,
@@ -48,8 +50,9 @@ Caster::Caster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees, 
     packet->best = &best_;
     packet->goal = goal(kind);
   }
-  mesh_.culling = options.culling;
+  scene_.culling = mesh_.culling = options.culling;
   mesh_.sinks = std::span(sinks_).first(collected_.size());
+  scene_.sinks = std::span(flat_sinks_).first(collected_.size());
 }
 
 void Caster::read() {
@@ -67,7 +70,10 @@ void Caster::read() {
   cells_.growth = options_.growth;
   cells_.pin = &pin_;
   cells_.cancelled = options_.cancelled;
-  for (std::size_t i = 0; i < collected_.size(); ++i) sinks_[i] = collected_[i].begin(kind_);
+  for (std::size_t i = 0; i < collected_.size(); ++i) {
+    sinks_[i] = collected_[i].begin(kind_);
+    flat_sinks_[i] = collected_[i].sink_of_flat(kind_);
+  }
 }
 
 std::uint32_t Caster::cast(const RayColumns& rays, const RayPacket& packet, bool waits) {
@@ -79,9 +85,12 @@ std::uint32_t Caster::cast(const RayColumns& rays, const RayPacket& packet, bool
   cells_.samples = samples_;
   for (const instances::OpenTree& tree : trees_.all()) {
     if (scene_.stopped) break;
+    const std::uint64_t before = entries_;
+    const bool is_static = &tree == &trees_.all().front();
     if (tree.instances.size() > 0)
-      walk_tree(tree,
-                &tree == &trees_.all().front() ? counters_.static_built : counters_.dynamic_built);
+      walk_tree(tree, is_static ? flat_.get() : nullptr,
+                is_static ? counters_.static_built : counters_.dynamic_built);
+    if (is_static) static_entries_ += entries_ - before;
   }
   if (scene_.suspended != 0 || scene_.stopped) progress_ = cells_.progress;
   return scene_.stopped || cells_.is_cancelled() ? 0 : end();
@@ -100,16 +109,74 @@ std::uint32_t Caster::end() {
   return answered();
 }
 
-void Caster::walk_tree(const instances::OpenTree& tree, accel::kdtree::BuildCounters& built) {
+void Caster::walk_tree(const instances::OpenTree& tree, const accel::wide::FlatTree* flat,
+                       accel::kdtree::BuildCounters& built) {
   accel::lazy::LazyTree& kd = tree.instances.tree();
   if (kd.tree().bounds().empty()) return;
   std::uint32_t lanes = scene_.left(valid_);
   if (lanes == 0) return;
   InstanceTests content(*this, tree, built);
+  // Hits are counted once in a mesh that is in one of its blocks and in one of its lists.
+  if (flat != nullptr && (kind_ != QueryKind::kCount || flat->is_complete()))
+    lanes = walk_flat(tree, *flat, lanes, content);
+  if (lanes == 0) return;
   if (const auto only = kd.only()) return content.visit_only(*only, lanes);
   lanes = accel::wide::center(given_, tree.instances.center(), lanes, scene_.rays);
   lanes = accel::wide::prepare(scene_, kd.frame(), lanes);
   accel::lazy::GrowingLeaf(kd, scene_, cells_, counters_.walked, built, content).walk(lanes);
+}
+
+namespace {
+
+/// What is asked of an instance in a flat tree.
+struct Seen {
+  const instances::OpenTree& tree;
+  const Selection* selection;
+  const Masks& masks;
+
+  static std::uint32_t seeing(const void* asked, const accel::wide::PlacedMesh& mesh,
+                              std::uint32_t lanes) {
+    const Seen& seen = *static_cast<const Seen*>(asked);
+    lanes = seen.masks.seeing(seen.tree.instances[mesh.instance].mask, lanes);
+    return lanes != 0 && is_seen(seen.tree, mesh.instance, seen.selection) ? lanes : 0;
+  }
+};
+
+/// The leaf policy of a flat tree, whose lists are instances that are entered.
+template <class Tests>
+struct Closed {
+  Tests& tests;
+
+  accel::wide::Child enter(accel::kdtree::AtomicSlot&, std::uint32_t) { return {}; }
+  void visit(std::span<const std::uint32_t> ids, std::uint32_t lanes) { tests.leaf(ids, lanes); }
+};
+
+}  // namespace
+
+/// Returns the rays whose directions are so short or long that they may be out of range in some
+/// instance's frame: they enter instances one by one.
+std::uint32_t Caster::walk_flat(const instances::OpenTree& tree, const accel::wide::FlatTree& flat,
+                                std::uint32_t lanes, InstanceTests& closed) {
+  lanes = accel::wide::center(given_, tree.instances.center(), lanes, scene_.rays);
+  std::uint32_t extreme = 0;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    const double unit = scene_.rays.unit[lane];
+    if (!(unit >= 0x1p-800 && unit <= 0x1p+800)) extreme |= lanes & 1u << lane;
+  }
+  lanes = accel::wide::prepare(scene_, flat.frame(), lanes & ~extreme);
+  if (lanes == 0) return extreme;
+  const Seen seen{tree, options_.selection, masks_};
+  const accel::wide::Visibility visible{&Seen::seeing, &seen};
+  const bool filters =
+      tree.removed != nullptr || options_.selection != nullptr || !masks_.see_all();
+  scene_.placed = {flat.meshes().data(), &given_, filters ? &visible : nullptr,
+                   static_cast<std::uint32_t>(tree.first)};
+  Closed<InstanceTests> policy{closed};
+  accel::wide::walk(scene_, accel::wide::Child::final(flat.tree().root()), lanes,
+                    accel::wide::Leaf(policy), counters_.walked);
+  if (scene_.goal == Goal::kNearest && !scene_.stopped) accel::wide::resolve(scene_, scene_.live);
+  scene_.placed = {};
+  return extreme;
 }
 
 void Caster::enter(const instances::Instance& instance, std::uint32_t index, std::uint32_t lanes,
@@ -120,6 +187,7 @@ void Caster::enter(const instances::Instance& instance, std::uint32_t index, std
   }
   lanes &= in_frame_;
   if (lanes == 0) return;
+  ++entries_;
   stats_.instances_entered += static_cast<std::uint64_t>(std::popcount(lanes));
   if (options_.growth == Growth::kBuiltOnly) {
     if (!instance.mesh->is_resident()) {

@@ -10,6 +10,7 @@
 
 #include "accel/kdtree/epoch.h"
 #include "accel/lazy/cell_query.h"
+#include "accel/wide/flat_tree.h"
 #include "accel/wide/float_rays.h"
 #include "accel/wide/packet.h"
 #include "accel/wide/transform.h"
@@ -65,13 +66,18 @@ class Caster {
 
   /// The stats of all rays answered.
   TraceStats stats() const;
+  /// Entries of packets into instances of the static tree.
+  std::uint64_t static_entries() const { return static_entries_; }
 
  private:
   class InstanceTests;
 
   void read();
   std::uint32_t end();
-  void walk_tree(const instances::OpenTree& tree, accel::kdtree::BuildCounters& built);
+  void walk_tree(const instances::OpenTree& tree, const accel::wide::FlatTree* flat,
+                 accel::kdtree::BuildCounters& built);
+  std::uint32_t walk_flat(const instances::OpenTree& tree, const accel::wide::FlatTree& flat,
+                          std::uint32_t lanes, InstanceTests& closed);
   void enter(const instances::Instance& instance, std::uint32_t index, std::uint32_t lanes,
              accel::kdtree::BuildCounters& built);
   /// The rays of `lanes` that have not entered the instance before, for counts and lists.
@@ -82,18 +88,21 @@ class Caster {
 
   accel::kdtree::EpochPin& pin_;
   const instances::OpenTrees trees_;
+  /// One tree over the triangles of most static instances; null if there is none.
+  const std::shared_ptr<const accel::wide::FlatTree> flat_;
   const QueryKind kind_;
   const TraceOptions options_;
   bool samples_ = false;  // see CellQuery
   CastCounters counters_;
   TraceStats stats_;
-  std::vector<Collected> collected_;  // by ray, for counts and lists; else empty
+  std::uint64_t entries_ = 0, static_entries_ = 0;  // of packets into instances
+  std::vector<Collected> collected_;                // by ray, for counts and lists; else empty
   std::uint64_t progress_ = 0;
   std::optional<Arrival> arrival_;
   // The current packet.
   const accel::geometry::RayColumns* rays_ = nullptr;
   RayPacket packet_;
-  std::array<accel::wide::HitSink, accel::wide::kLanes> sinks_;
+  std::array<accel::wide::HitSink, accel::wide::kLanes> sinks_, flat_sinks_;
   accel::wide::GivenRays given_;
   accel::wide::BestHits best_;
   accel::wide::Packet scene_, mesh_;  // the rays in the frame of a tree, and of an instance

@@ -7,15 +7,17 @@ namespace sightline::scenegraph::query {
 accel::wide::HitSink Collected::begin(QueryKind kind) {
   list_.clear();
   primitives_.clear();
+  flat_primitives_.clear();
   entered_.clear();
   counted_ = 0;
   return {.list = kind == QueryKind::kAll ? &list_ : nullptr,
           .primitives = kind == QueryKind::kCount ? &primitives_ : nullptr};
 }
 
-std::uint32_t Collected::count(TraceStats& stats) const {
-  stats.hits_found += counted_;
-  return static_cast<std::uint32_t>(std::min<std::uint64_t>(counted_, kMaxCount));
+std::uint32_t Collected::count(TraceStats& stats) {
+  const std::uint64_t all = counted_ + flat_primitives_.sorted().size();
+  stats.hits_found += all;
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(all, kMaxCount));
 }
 
 std::span<const accel::wide::ListedHit> Collected::list(TraceStats& stats, bool& cut_off) {

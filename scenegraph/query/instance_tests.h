@@ -107,7 +107,10 @@ class Caster::InstanceTests {
 
   /// The rays of `lanes` that may meet a box before their best hits.
   std::uint32_t meeting(const accel::geometry::Aabb& box, std::uint32_t lanes) const {
-    return accel::wide::meeting(packet_, in_frame(tree_.tree().frame(), box), lanes);
+    // Boxes of a flat tree's closed instances are in its coordinates.
+    const accel::geometry::Aabb in_tree =
+        packet_.placed.all != nullptr ? box : in_frame(tree_.tree().frame(), box);
+    return accel::wide::meeting(packet_, in_tree, lanes);
   }
 
   Caster& caster_;

@@ -37,6 +37,8 @@ class Masks {
     see_all_ = common == accel::geometry::kAllMasks;
   }
 
+  /// Whether every ray sees all instances with a mask that is not 0.
+  bool see_all() const { return see_all_; }
   /// The rays of `lanes` that see an instance with this mask.
   std::uint32_t seeing(std::uint32_t mask, std::uint32_t lanes) const {
     if (see_all_) return mask != 0 ? lanes : 0;

@@ -27,7 +27,7 @@ accel/published             accel/* proto/result
 scenegraph/model            proto/result accel/geometry accel/kdtree accel/lazy accel/mesh
 scenegraph/hierarchy        scenegraph/model
 scenegraph/instances        scenegraph/model scenegraph/hierarchy
-                            proto/result accel/geometry accel/kdtree accel/lazy
+                            proto/result accel/geometry accel/kdtree accel/wide accel/lazy accel/mesh
 scenegraph/revision         scenegraph/model scenegraph/hierarchy scenegraph/instances
                             proto/result accel/kdtree accel/lazy accel/mesh
 scenegraph/trace_options    accel/geometry accel/lazy

@@ -1,0 +1,110 @@
+// Decides which instances are flat, and bounds the errors of their transforms.
+#include "scenegraph/instances/flat_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+#include <vector>
+
+#include "accel/kdtree/tree_memory.h"
+#include "accel/lazy/lazy_tree.h"
+#include "accel/mesh/mesh_tree.h"
+#include "scenegraph/instances/instance_list.h"
+#include "scenegraph/model/mesh.h"
+
+namespace sightline::scenegraph::instances {
+namespace {
+
+using accel::wide::ClosedInstance;
+using accel::wide::FlatPart;
+
+/// A mesh of several instances is flat in each of them if it has at most this many triangles.
+constexpr std::uint64_t kSmallMesh = 1000;
+/// Instances with a larger condition are entered, so that a ray as they see it is off by much less
+/// than its rounding to floats.
+constexpr double kMostCondition = 1024;
+/// The share of coordinates that transforms of points and rays may be off, for each unit of the
+/// condition: more than the roundings of two transforms, and of their inversion.
+constexpr double kErrorPerCondition = 0x1p-47;
+/// Most of that for a flat instance, as a share of the scene's size: less than what its vertices
+/// lose by rounding to floats.
+constexpr double kMostError = 0x1p-26;
+/// Scales of flat instances: directions and origins then stay in range in both frames.
+constexpr double kLeastScale = 0x1p-60, kMostScale = 0x1p+60;
+
+double largest(const accel::geometry::Vec3d& v) {
+  return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
+}
+
+/// Sets the transform and its error; false if the instance is to be entered.
+bool set_transform(const Instance& instance, const accel::geometry::Vec3d& center, double size,
+                   FlatPart& part) {
+  const std::optional<model::Affine> world = inverse(instance.local_from_world);
+  if (!world) return false;
+  const double condition = model::condition(*world, instance.local_from_world);
+  if (!(condition <= kMostCondition)) return false;
+  model::Affine centered = *world;
+  for (std::size_t axis = 0; axis < 3; ++axis) centered.m[4 * axis + 3] -= center[axis];
+  const accel::geometry::Aabb& box = instance.mesh->bounds();
+  double terms = largest(center), scale = 0;
+  for (std::size_t row = 0; row < 3; ++row) {
+    double sum = std::fabs(world->m[4 * row + 3]);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double entry = std::fabs(world->m[4 * row + axis]);
+      scale = std::max(scale, entry);
+      sum +=
+          entry * static_cast<double>(std::max(std::fabs(box.lo[axis]), std::fabs(box.hi[axis])));
+    }
+    terms = std::max(terms, sum);
+  }
+  part.tree_from_local = centered.m;
+  part.error = terms * condition * kErrorPerCondition;
+  return part.error <= kMostError * size && scale >= kLeastScale && scale <= kMostScale;
+}
+
+}  // namespace
+
+std::unique_ptr<const accel::wide::FlatTree> flatten(const Instances& instances,
+                                                     const accel::wide::FlatTree* before,
+                                                     const std::atomic<bool>* cancelled) {
+  if (instances.size() < 2) return nullptr;  // a mesh's own tree is as good
+  std::unordered_map<const model::Mesh*, std::uint32_t> uses;
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    if (!instances.has(i)) return nullptr;
+    ++uses[instances[i].mesh];
+  }
+  const accel::wide::Frame& frame = instances.tree().frame();
+  const double size =
+      static_cast<double>(accel::wide::largest_coordinate(frame.bounds) / frame.scale);
+  std::vector<FlatPart> parts;
+  std::vector<ClosedInstance> closed;
+  std::uint64_t bytes = 0;
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    const Instance& instance = instances[i];
+    if (instance.mask == 0) continue;
+    const bool few = uses[instance.mesh] == 1 || instance.mesh->triangles() <= kSmallMesh;
+    accel::lazy::LazyTree* const tree =
+        few && instance.mesh->is_resident() ? instance.mesh->tree().lazy_tree() : nullptr;
+    FlatPart part;
+    if (tree != nullptr && tree->makes_blocks() &&
+        set_transform(instance, instances.center(), size, part)) {
+      part.placed.mesh = instance.mesh->view();
+      part.placed.local_from_scene = &instance.local_from_world.m;
+      part.placed.node = instance.node;
+      part.placed.instance = static_cast<std::uint32_t>(i);
+      part.tree = &tree->tree();
+      part.frame = &tree->frame();
+      bytes += tree->tree().finished_bytes();
+      parts.push_back(part);
+    } else {
+      closed.push_back({static_cast<std::uint32_t>(i), instance.box});
+    }
+  }
+  if (parts.empty()) return nullptr;
+  const accel::kdtree::TreeMemory* const memory = parts.front().tree->memory();
+  if (memory != nullptr && memory->held() + bytes > memory->low_water()) return nullptr;
+  return accel::wide::FlatTree::make(parts, closed, before == nullptr ? 1 : before->blocks() + 1,
+                                     cancelled);
+}
+
+}  // namespace sightline::scenegraph::instances
