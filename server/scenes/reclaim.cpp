@@ -56,7 +56,16 @@ std::uint64_t Reclaimer::evict_pieces(std::uint64_t bytes) {
 
 std::uint64_t Reclaimer::evict_to_low_water() {
   const std::lock_guard lock(mutex_);
-  return evict_pieces(0);
+  std::uint64_t bytes = evict_pieces(0);
+  const accel::kdtree::TreeMemory& trees = *memory_.trees();
+  for (const auto& scene : scenes_.by_last_cast()) {
+    if (trees.held() <= trees.low_water()) break;
+    const std::uint64_t dropped = scene->drop_flat_trees();
+    if (dropped == 0) continue;
+    bytes += dropped;
+    measure_alone();
+  }
+  return bytes;
 }
 
 void Reclaimer::reclaim(std::uint64_t bytes, bool for_large) {

@@ -94,6 +94,15 @@ std::uint64_t StoredScene::placed_tree_bytes() const {
   return bytes_of(scene_.snapshot()->shared_trees());
 }
 
+std::uint64_t StoredScene::drop_flat_trees() const {
+  std::uint64_t bytes = 0;
+  for (const scenegraph::instances::Level& level : scene_.snapshot()->shared_trees().levels) {
+    const scenegraph::instances::Instances* instances = level.tree->instances_so_far();
+    if (instances != nullptr) bytes += instances->drop_flat();
+  }
+  return bytes;
+}
+
 std::vector<std::shared_ptr<const scenegraph::model::Mesh>> StoredScene::patched_meshes() const {
   std::vector<std::shared_ptr<const scenegraph::model::Mesh>> meshes;
   const std::lock_guard lock(patched_mutex_);

@@ -165,6 +165,8 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   Clock::time_point last_cast() const { return last_cast_.load(std::memory_order_relaxed); }
   /// Bytes of the trees of the newest revision over its instances.
   std::uint64_t placed_tree_bytes() const;
+  /// Drops the flat trees of the newest revision (Instances::drop_flat). Returns their bytes.
+  std::uint64_t drop_flat_trees() const;
   /// The meshes that updates have made, and that are still used. Cost: their number.
   std::vector<std::shared_ptr<const scenegraph::model::Mesh>> patched_meshes() const;
 
