@@ -12,6 +12,7 @@
 #include "accel/geometry/intersect.h"
 #include "accel/wide/float_rays.h"
 #include "accel/wide/walk.h"
+#include "tests/fuzz/verdict/check_flat.h"
 #include "tests/fuzz/verdict/check_packets.h"
 #include "tests/fuzz/verdict/exact_answers.h"
 #include "tests/fuzz/verdict/float_verdicts.h"
@@ -216,7 +217,11 @@ std::optional<std::string> check_verdicts(const VerdictCase& asked, VerdictTally
   VerdictCheck check(asked, tree, exact, tally);
   check.run();
   if (check.finding) return check.finding;
-  return check_packets(asked, tree, exact);
+  if (auto wrong = check_packets(asked, tree, exact)) return wrong;
+  bool is_flat = false;
+  auto wrong = check_flat(asked, is_flat);
+  tally.flat += is_flat ? 1 : 0;
+  return wrong;
 }
 
 }  // namespace

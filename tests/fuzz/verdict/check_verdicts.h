@@ -14,6 +14,7 @@ struct VerdictTally {
   std::uint64_t packets = 0, pairs = 0, hits = 0;
   std::uint64_t sure_misses = 0, sure_hits = 0;  ///< Pairs that floats decide.
   std::uint64_t groups = 0;                      ///< Groups of several rays.
+  std::uint64_t flat = 0;                        ///< Packets that walked a flat tree, too.
 };
 
 /// Searches a case for a counterexample to docs/hit_rule.md, section 7, on one SIMD target of

@@ -32,6 +32,7 @@ TEST(VerdictCorpus, RandomBytesHaveNoFindings) {
   EXPECT_GT(tally.sure_misses, tally.pairs / 10);
   EXPECT_GT(tally.sure_hits, tally.pairs / 250);
   EXPECT_GT(tally.groups, tally.packets / 10);
+  EXPECT_GT(tally.flat, tally.packets / 4);
 }
 
 }  // namespace

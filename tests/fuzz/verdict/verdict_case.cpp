@@ -297,6 +297,7 @@ VerdictCase decode_verdict_case(std::span<const std::uint8_t> data) {
   out.culling = static_cast<accel::geometry::Culling>(bytes.below(3));
   TrianglesOf(bytes, out).make();
   Rays(bytes, out).make();
+  out.frames = bytes.take<std::uint64_t>();
   return out;
 }
 

@@ -28,6 +28,7 @@ struct VerdictCase {
   std::vector<accel::geometry::Face> faces;
   std::vector<AskedRay> rays;
   accel::geometry::Culling culling = accel::geometry::Culling::kNone;
+  std::uint64_t frames = 0;  ///< The seed of the frames in which check_flat() has the triangles.
 
   accel::geometry::MeshView view() const { return {vertices, faces}; }
 };
