@@ -34,16 +34,12 @@ inline bool fits(std::size_t count, unsigned levels) {
   return static_cast<unsigned>(std::bit_width(count - 1)) <= levels;
 }
 
-/// Grows a hierarchy over the boxes of a workspace. Its policy makes the nodes:
-///
-///   begin(indices, count)               is called before a set is swept.
-///   pays(split, count)                  Whether a set is to be one leaf. No for more than
-///   kFineSet. leaf(indices, count, box)           Makes a leaf, or returns null; one box always
-///   makes one.
-///                                       box() is the union of the boxes.
-///   join(at, left, right)               Joins two nodes. `at` is less than the number of boxes
-///                                       less one, and differs for every join.
-///   grow_both(count, left, right)       Calls both functions, in any order or in parallel.
+/// Grows a hierarchy over the boxes of a workspace. Its policy makes the nodes. begin(indices,
+/// count) is called before a set is swept. pays(split, count) says whether a set is to be one leaf:
+/// never one of more than kFineSet boxes. leaf(indices, count, box) makes it, where box() is the
+/// union of the boxes, or returns null; one box always makes a leaf. join(at, left, right) joins
+/// two nodes: `at` differs for every join, and is less than the number of boxes less one.
+/// grow_both(count, left, right) calls both functions, in any order or in parallel.
 template <class Policy>
 class Growth {
  public:

@@ -1,4 +1,4 @@
-// One tree over meshes at their places: their finished trees' blocks, moved into the scene's
+// One tree over meshes at their places: the blocks of their own trees, copied into the scene's
 // coordinates.
 #pragma once
 
