@@ -30,19 +30,6 @@ struct Node {
   bool leaf() const { return words != 0; }
 };
 
-/// Makes an inner node over two others.
-inline Node inner_node(const Node* left, const Node* right) {
-  Node made;
-  made.box = left->box;
-  made.box.grow(right->box);
-  made.levels = static_cast<std::uint16_t>(1 + std::max(left->levels, right->levels));
-  made.leaves = static_cast<std::uint16_t>(
-      std::min(unsigned{left->leaves} + right->leaves, Node::kManyLeaves));
-  made.left = left;
-  made.right = right;
-  return made;
-}
-
 /// A page of memory for which address translation is cheap.
 inline constexpr std::size_t kHugePage = std::size_t{1} << 21;
 
@@ -97,7 +84,15 @@ class Arena {
   Node* node() { return new (nodes_.take(sizeof(Node))) Node; }
   /// Makes an inner node over two others.
   Node* join(const Node* left, const Node* right) {
-    return new (nodes_.take(sizeof(Node))) Node(inner_node(left, right));
+    Node* const made = node();
+    made->box = left->box;
+    made->box.grow(right->box);
+    made->levels = static_cast<std::uint16_t>(1 + std::max(left->levels, right->levels));
+    made->leaves = static_cast<std::uint16_t>(
+        std::min(unsigned{left->leaves} + right->leaves, Node::kManyLeaves));
+    made->left = left;
+    made->right = right;
+    return made;
   }
   /// Allocates the words of a block; count > 0.
   std::uint32_t* words(std::size_t count) {

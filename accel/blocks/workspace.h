@@ -23,6 +23,9 @@ struct Workspace {
   std::vector<std::uint32_t> ids;
   /// Positions of references; a set is a consecutive part of them.
   std::vector<std::uint32_t> indices, moved;
+  /// The records (record-inl.h) of a swept set in the order of their centers on each axis. They
+  /// move from one buffer to the other as sets are divided.
+  alignas(64) std::uint64_t orders[2][3][kSweptSet + 2 * kSpareRecords];
 
   void resize(std::size_t count) {
     if (count <= boxes.size()) return;
