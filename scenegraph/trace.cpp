@@ -18,6 +18,7 @@
 
 #include "accel/kdtree/epoch.h"
 #include "accel/kdtree/last_use.h"
+#include "scenegraph/query/cast_counters.h"
 #include "scenegraph/query/caster.h"
 #include "scenegraph/query/ray_blocks.h"
 #include "scenegraph/query/sample_rays.h"
@@ -58,15 +59,32 @@ Result<TraceStats> trace_blocks(const revision::Snapshot& snapshot, QueryKind ki
   return traced;
 }
 
+/// Calls use(Caster) with a caster of a block of rays, and returns its stats.
+template <class Use>
+TraceStats with_caster(const instances::OpenTrees& trees, QueryKind kind,
+                       const TraceOptions& options, const Use& use) {
+  TraceStats stats;
+  std::uint64_t entries = 0;
+  {
+    EpochPin pin;
+    Caster caster(pin, trees, kind, options);
+    use(caster);
+    stats = caster.stats();
+    entries = caster.static_entries();
+  }
+  accel::kdtree::BuildCounters built;
+  trees.static_tree().count_entries(entries, built, options.cancelled);
+  query::add(built, stats);
+  return stats;
+}
+
 /// Casts every ray. Calls keep(Caster, first, lanes) where the caster has the answers to some rays
 /// from `first` on, which have a bit in `lanes`.
 template <class Keep>
 Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
                              const RayColumns& rays, const TraceOptions& options,
                              const Keep& keep) {
-  const auto answer = [&](const instances::OpenTrees& trees, const RayBlock& block) {
-    EpochPin pin;
-    Caster caster(pin, trees, kind, options);
+  const auto answer_block = [&](Caster& caster, const RayBlock& block) {
     const auto cast = [&](const RayPacket& packet, bool waits) {
       const std::uint32_t answered = caster.cast(rays, packet, waits);
       if (answered != 0) keep(caster, packet.first, answered);
@@ -80,18 +98,16 @@ Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
       if (packet.lanes != 0) postponed.push_back(packet);
     }
     query::answer_postponed(postponed, caster, options.cancelled, cast);
-    trees.static_tree().count_entries(caster.static_entries(), options.cancelled);
-    return caster.stats();
+  };
+  const auto answer = [&](const instances::OpenTrees& trees, const RayBlock& block) {
+    return with_caster(trees, kind, options, [&](Caster& caster) { answer_block(caster, block); });
   };
   return trace_blocks(snapshot, kind, rays, kRaysPerBlock, options, answer);
 }
 
 /// Appends the hits of the rays of a block, in order.
-TraceStats list_block(const instances::OpenTrees& trees, const RayColumns& rays,
-                      const RayBlock& block, std::span<RayTally> tallies, std::vector<Hit>& hits,
-                      const TraceOptions& options) {
-  EpochPin pin;
-  Caster caster(pin, trees, QueryKind::kAll, options);
+void list_block(Caster& caster, const RayColumns& rays, const RayBlock& block,
+                std::span<RayTally> tallies, std::vector<Hit>& hits, const TraceOptions& options) {
   for (std::size_t i = block.first; i < block.end; i += kLanes) {
     if (is_cancelled(options.cancelled)) break;
     const RayPacket packet{i, std::min(kLanes, block.end - i)};
@@ -101,8 +117,6 @@ TraceStats list_block(const instances::OpenTrees& trees, const RayColumns& rays,
       tallies[i + lane] = caster.list(lane, hits);
     }
   }
-  trees.static_tree().count_entries(caster.static_entries(), options.cancelled);
-  return caster.stats();
 }
 
 /// The stats of a batch, with the rays that have no answer.
@@ -189,7 +203,9 @@ Result<TraceStats> list_hits(const revision::Snapshot& snapshot, std::span<const
     const std::size_t block = next.fetch_add(1, std::memory_order_relaxed);
     const std::size_t first = block * rays_per_block;
     const RayBlock part{first, std::min(first + rays_per_block, rays.size())};
-    const TraceStats stats = list_block(trees, columns, part, tallies, of_blocks[block], options);
+    const TraceStats stats = with_caster(trees, QueryKind::kAll, options, [&](Caster& caster) {
+      list_block(caster, columns, part, tallies, of_blocks[block], options);
+    });
     listed.fetch_add(of_blocks[block].size(), std::memory_order_relaxed);
     return stats;
   };

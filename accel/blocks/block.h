@@ -38,18 +38,12 @@ struct Block {
     return (1 + 3 * vertices + 3 * corner_words(triangles) + triangles + 3) / 4 * 4;
   }
   std::size_t words() const { return words(triangles, vertices); }
-  /// Size of a block that also has the number of its mesh.
-  static constexpr std::size_t words_with_mesh(std::size_t triangles, std::size_t vertices) {
-    return (1 + 3 * vertices + 3 * corner_words(triangles) + triangles + 1 + 3) / 4 * 4;
-  }
 
   /// Corner k, 0 to 2, of every triangle.
   const std::uint8_t* corner(std::size_t k) const {
     return corners_ + sizeof(std::uint32_t) * k * corner_words(triangles);
   }
   std::uint32_t id(std::size_t triangle) const { return ids_[triangle]; }
-  /// The mesh of a block in a flat tree (wide::PlacedMesh): the word behind the ids.
-  std::uint32_t mesh() const { return ids_[triangles]; }
   /// Vertex i, relative to the center of the frame.
   geometry::Vec3f vertex(std::size_t i) const { return {x[i], y[i], z[i]}; }
 

@@ -8,6 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include <hwy/cache_control.h>
+
 #include "accel/blocks/block.h"
 #include "accel/geometry/intersect.h"
 #include "accel/wide/float_rays.h"
@@ -109,13 +111,14 @@ void read_triangle(const std::uint32_t* words, std::size_t triangle, std::size_t
 
 /// A triangle of a flat tree, as its mesh has it.
 struct PlacedTriangle {
+  std::uint32_t id;
   const PlacedMesh& mesh;
-  std::uint32_t id, face;
+  std::uint32_t face;
 
   PlacedTriangle(const Packet& packet, const std::uint32_t* words, std::uint32_t triangle)
       : PlacedTriangle(packet, Block(words), triangle) {}
   PlacedTriangle(const Packet& packet, const Block& block, std::uint32_t triangle)
-      : mesh(packet.placed.all[block.mesh()]), id(block.id(triangle)), face(id - mesh.first) {}
+      : id(block.id(triangle)), mesh(packet.placed.of(id)), face(id - mesh.first) {}
 
   const geometry::Vec3f& corner(std::size_t k) const {
     return mesh.mesh.vertices[mesh.mesh.faces[face][k]];
@@ -183,14 +186,26 @@ std::uint32_t read_placed(const Packet& packet, const LanePairs& pairs, std::uin
                           LaneTriangles& corners, Rays& rays) {
   const auto first = static_cast<std::size_t>(std::countr_zero(lanes));
   Column<const Matrix*> frames;
+  std::array<const geometry::Face*, kLanes> faces;
+  std::array<const geometry::Vec3f*, kLanes> vertices;
+  // Faces, vertices and transforms are far from each other: all lanes wait for each once.
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
     const std::size_t from = (lanes >> lane & 1) != 0 ? lane : first;
     const PlacedTriangle triangle(packet, pairs.block[from], pairs.triangle[from]);
     frames[lane] = triangle.mesh.local_from_scene;
+    faces[lane] = &triangle.mesh.mesh.faces[triangle.face];
+    vertices[lane] = triangle.mesh.mesh.vertices.data();
+    hwy::Prefetch(faces[lane]);
+    hwy::Prefetch(frames[lane]);
+    hwy::Prefetch(&(*frames[lane])[8]);
+  }
+  for (std::size_t lane = 0; lane < kLanes; ++lane) hwy::Prefetch(vertices[lane] + (*faces[lane])[0]);
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    const auto [a, b, c] = *faces[lane];
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      corners.a[axis][lane] = triangle.corner(0)[axis];
-      corners.b[axis][lane] = triangle.corner(1)[axis];
-      corners.c[axis][lane] = triangle.corner(2)[axis];
+      corners.a[axis][lane] = vertices[lane][a][axis];
+      corners.b[axis][lane] = vertices[lane][b][axis];
+      corners.c[axis][lane] = vertices[lane][c][axis];
     }
   }
   return transform(*packet.placed.given, frames, lanes, rays);
@@ -250,16 +265,42 @@ void resolve_best(Packet& packet, std::uint32_t lanes) {
   }
 }
 
-/// Decides the other candidates, which are not certain to be hits, or to be the nearest.
+/// Decides these pairs. Returns whether the limits of any ray were tightened.
+bool decide_pairs(Packet& packet, const LanePairs& pairs, std::uint32_t lanes) {
+  if (std::popcount(lanes) < kTogether) {
+    bool takes = false;
+    for (; lanes != 0; lanes &= lanes - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+      takes |= decide(packet, lane, pairs.block[lane], pairs.triangle[lane]);
+    }
+    return takes;
+  }
+  const std::uint32_t taken = decide_together(packet, pairs, lanes);
+  for (std::uint32_t left = taken; left != 0; left &= left - 1)
+    tighten(packet, static_cast<std::size_t>(std::countr_zero(left)));
+  return taken != 0;
+}
+
+/// Decides the other candidates, which are not certain to be hits, or to be the nearest: the first
+/// of each ray, then the second.
 void resolve_others(Packet& packet, std::uint32_t lanes) {
   const Candidates& all = packet.candidates;
-  for (; lanes != 0; lanes &= lanes - 1) {
-    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
-    for (std::size_t i = 0; i < all.count[lane]; ++i) {
+  Column<const std::uint32_t*> blocks;
+  Column<std::uint32_t> triangles;
+  for (std::size_t i = 0; lanes != 0; ++i) {
+    std::uint32_t open = 0;
+    for (std::uint32_t left = lanes; left != 0; left &= left - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+      if (i >= all.count[lane]) {
+        lanes &= ~(1u << lane);
+        continue;
+      }
+      blocks[lane] = all.block[lane][i];
+      triangles[lane] = all.triangle[lane][i];
       // The negation also includes a depth that is NaN.
-      if (!(all.low[lane][i] > packet.floats.high[lane]))
-        decide(packet, lane, all.block[lane][i], all.triangle[lane][i]);
+      if (!(all.low[lane][i] > packet.floats.high[lane])) open |= 1u << lane;
     }
+    if (open != 0) decide_pairs(packet, {blocks, triangles}, open);
   }
 }
 
@@ -273,20 +314,11 @@ bool decide(Packet& packet, std::size_t lane, const std::uint32_t* words, std::u
 
 bool decide_lanes(Packet& packet, std::uint32_t lanes, const std::uint32_t* words,
                   std::uint32_t triangle) {
-  if (std::popcount(lanes) < kTogether) {
-    bool takes = false;
-    for (; lanes != 0; lanes &= lanes - 1)
-      takes |= decide(packet, static_cast<std::size_t>(std::countr_zero(lanes)), words, triangle);
-    return takes;
-  }
   Column<const std::uint32_t*> blocks;
   Column<std::uint32_t> triangles;
   blocks.fill(words);
   triangles.fill(triangle);
-  const std::uint32_t taken = decide_together(packet, {blocks, triangles}, lanes);
-  for (std::uint32_t left = taken; left != 0; left &= left - 1)
-    tighten(packet, static_cast<std::size_t>(std::countr_zero(left)));
-  return taken != 0;
+  return decide_pairs(packet, {blocks, triangles}, lanes);
 }
 
 void remember(Packet& packet, std::size_t lane, const std::uint32_t* block, std::uint32_t triangle,

@@ -9,10 +9,10 @@
 
 namespace sightline::accel::wide {
 
-/// The rays of `lanes` that see the mesh of a block, where not all see all (Visibility).
-inline std::uint32_t seeing(const Packet& packet, const blocks::Block& block, std::uint32_t lanes) {
-  const Visibility& visible = *packet.placed.visible;
-  return visible.seeing(visible.asked, packet.placed.all[block.mesh()], lanes);
+/// The rays of `lanes` that see a triangle.
+inline std::uint32_t seeing(const Packet& packet, std::uint32_t id, std::uint32_t lanes) {
+  const Visibility* const visible = packet.placed.visible;
+  return visible == nullptr ? lanes : visible->seeing(visible->asked, packet.placed.of(id), lanes);
 }
 
 /// Decides one pair now. Returns whether the ray's limits were tightened.

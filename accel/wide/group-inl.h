@@ -107,7 +107,6 @@ class Group {
   void visit_block(Entry entry) {
     const std::uint32_t* const words = entry.at.block();
     const blocks::Block block(words);
-    if (packet_.placed.visible != nullptr) entry.lanes = seeing(packet_, block, entry.lanes);
     walked_.counters.tests +=
         block.triangles * static_cast<std::uint64_t>(std::popcount(entry.lanes));
     count(entry.lanes, block.triangles);
@@ -129,7 +128,7 @@ class Group {
       const auto load = [](const Column<float>& column) { return Floats::load(column.data()); };
       Verdict verdict;
       if (!judge(corners, {load(rays.error), load(rays.low), load(rays.high), load(rays.cull)},
-                 entry.lanes, verdict))
+                 seeing(packet_, block.id(i), entry.lanes), verdict))
         continue;
       nearer |= take(words, i, verdict);
       if constexpr (kGoal == Goal::kAny) entry.lanes &= ~packet_.best->found;

@@ -29,12 +29,17 @@ struct Visibility {
   const void* asked;
 };
 
-/// What a packet needs to know in a flat tree.
+/// What a packet needs to know in a flat tree, whose blocks have the numbers of faces among those of
+/// all meshes.
 struct PlacedMeshes {
-  const PlacedMesh* all = nullptr;      ///< Null in other trees.
-  const GivenRays* given = nullptr;     ///< The rays before any transform.
-  const Visibility* visible = nullptr;  ///< Null: all rays see all meshes.
-  std::uint32_t first_instance = 0;     ///< Added to PlacedMesh::instance.
+  const PlacedMesh* all = nullptr;         ///< Null in other trees.
+  const std::uint32_t* mesh_of = nullptr;  ///< The index of each face's mesh.
+  const GivenRays* given = nullptr;        ///< The rays before any transform.
+  const Visibility* visible = nullptr;     ///< Null: all rays see all meshes.
+  std::uint32_t first_instance = 0;        ///< Added to PlacedMesh::instance.
+
+  /// The mesh of a face.
+  const PlacedMesh& of(std::uint32_t id) const { return all[mesh_of[id]]; }
 };
 
 }  // namespace sightline::accel::wide

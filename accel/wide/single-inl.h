@@ -128,7 +128,6 @@ class Single {
   void visit_block(Entry entry) {
     const std::uint32_t* const words = entry.at.block();
     const blocks::Block block(words);
-    if (packet_.placed.visible != nullptr && seeing(packet_, block, 1u << lane_) == 0) return;
     triangles_ += block.triangles;
     const FloatRays& rays = packet_.floats;
     const auto set = [&](const Column<float>& column) { return Floats::set(column[lane_]); };
@@ -152,11 +151,23 @@ class Single {
     const std::uint32_t all = (2u << (block.triangles - 1)) - 1;
     Verdict verdict;
     if (judge(corners, {set(rays.error), set(rays.low), set(rays.high), set(rays.cull)}, all,
-              verdict))
+              verdict) &&
+        sees(block, verdict))
       take(words, verdict);
   }
 
  private:
+  /// Leaves out the triangles that the ray does not see. Returns whether any pair is possible.
+  HWY_INLINE bool sees(const blocks::Block& block, Verdict& verdict) const {
+    if (packet_.placed.visible == nullptr) return true;
+    for (std::uint32_t left = verdict.possible; left != 0; left &= left - 1) {
+      const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
+      if (seeing(packet_, block.id(i), 1u << lane_) == 0) verdict.possible &= ~(1u << i);
+    }
+    verdict.certain &= verdict.possible;
+    return verdict.possible != 0;
+  }
+
   /// Leaves the nearest of these children at `nearest`, and pushes the others.
   HWY_INLINE void push_others(Child parent, const std::array<float, kdtree::kWidth>& t,
                               std::uint32_t others, Entry& nearest, Stack<Entry>& stack) {

@@ -164,8 +164,7 @@ class Leaves {
       std::memcpy(next_, words, leaf.words * sizeof(std::uint32_t));
       words = std::exchange(next_, next_ + leaf.words);
     }
-    const bool is_list = kind_ == LeafKind::kLists || blocks::Block(words).vertices == 0;
-    return is_list ? Slot::list(words) : Slot::block(words);
+    return kind_ == LeafKind::kLists ? Slot::list(words) : Slot::block(words);
   }
 
  private:

@@ -7,16 +7,14 @@
 #include <vector>
 
 #include "accel/kdtree/tree_memory.h"
-#include "accel/lazy/lazy_tree.h"
-#include "accel/mesh/mesh_tree.h"
 #include "scenegraph/instances/instance_list.h"
 #include "scenegraph/model/mesh.h"
 
 namespace sightline::scenegraph::instances {
 namespace {
 
-using accel::wide::ClosedInstance;
-using accel::wide::FlatPart;
+using accel::kdtree::Reference;
+using accel::mesh::FlatPart;
 
 /// A mesh of several instances is flat in each of them if it has at most this many triangles.
 constexpr std::uint64_t kSmallMesh = 1000;
@@ -62,49 +60,69 @@ bool set_transform(const Instance& instance, const accel::geometry::Vec3d& cente
   return part.error <= kMostError * size && scale >= kLeastScale && scale <= kMostScale;
 }
 
+/// A guess at what building the tree takes.
+constexpr std::uint64_t kBytesPerFace = 150;
+
 }  // namespace
 
-std::unique_ptr<const accel::wide::FlatTree> flatten(const Instances& instances,
-                                                     const accel::wide::FlatTree* before,
-                                                     const std::atomic<bool>* cancelled) {
+void FlatScene::add_entered(std::vector<Reference> boxes, accel::kdtree::BuildCounters& built) {
+  if (boxes.empty()) return;
+  boxes_ = std::move(boxes);
+  entered_ = std::make_unique<accel::lazy::LazyTree>(
+      bounds_of(boxes_), boxes_.size(), accel::split::default_rule(), accel::lazy::source_of(boxes_));
+  entered_->expand_all(built);
+}
+
+std::unique_ptr<const FlatScene> FlatScene::make(const Instances& instances,
+                                                 const FlatScene* before,
+                                                 accel::kdtree::BuildCounters& built,
+                                                 const std::atomic<bool>* cancelled) {
   if (instances.size() < 2) return nullptr;  // a mesh's own tree is as good
+  instances.open_all();
   std::unordered_map<const model::Mesh*, std::uint32_t> uses;
-  for (std::size_t i = 0; i < instances.size(); ++i) {
-    if (!instances.has(i)) return nullptr;
-    ++uses[instances[i].mesh];
-  }
+  for (std::size_t i = 0; i < instances.size(); ++i) ++uses[instances[i].mesh];
   const accel::wide::Frame& frame = instances.tree().frame();
   const double size =
       static_cast<double>(accel::wide::largest_coordinate(frame.bounds) / frame.scale);
   std::vector<FlatPart> parts;
-  std::vector<ClosedInstance> closed;
-  std::uint64_t bytes = 0;
+  std::vector<Reference> entered;
+  std::uint64_t faces = 0;
   for (std::size_t i = 0; i < instances.size(); ++i) {
     const Instance& instance = instances[i];
     if (instance.mask == 0) continue;
-    const bool few = uses[instance.mesh] == 1 || instance.mesh->triangles() <= kSmallMesh;
-    accel::lazy::LazyTree* const tree =
-        few && instance.mesh->is_resident() ? instance.mesh->tree().lazy_tree() : nullptr;
+    const model::Mesh& mesh = *instance.mesh;
     FlatPart part;
-    if (tree != nullptr && tree->makes_blocks() &&
+    if ((uses[&mesh] == 1 || mesh.triangles() <= kSmallMesh) && mesh.is_resident() &&
+        mesh.builder().whole == nullptr &&
         set_transform(instance, instances.center(), size, part)) {
-      part.placed.mesh = instance.mesh->view();
+      part.placed.mesh = mesh.view();
       part.placed.local_from_scene = &instance.local_from_world.m;
       part.placed.node = instance.node;
       part.placed.instance = static_cast<std::uint32_t>(i);
-      part.tree = &tree->tree();
-      part.frame = &tree->frame();
-      bytes += tree->tree().finished_bytes();
+      part.bounds = mesh.bounds();
+      faces += mesh.faces();
       parts.push_back(part);
     } else {
-      closed.push_back({static_cast<std::uint32_t>(i), instance.box});
+      const accel::geometry::Aabb box = accel::geometry::widen_flat(instance.box);
+      entered.push_back({box.lo, static_cast<std::uint32_t>(i), box.hi});
     }
   }
-  if (parts.empty()) return nullptr;
-  const accel::kdtree::TreeMemory* const memory = parts.front().tree->memory();
-  if (memory != nullptr && memory->held() + bytes > memory->low_water()) return nullptr;
-  return accel::wide::FlatTree::make(parts, closed, before == nullptr ? 1 : before->blocks() + 1,
-                                     cancelled);
+  if (parts.empty() || (before != nullptr && faces <= before->triangles().faces())) return nullptr;
+  const accel::mesh::TreeBuilder& builder = instances[parts.front().placed.instance].mesh->builder();
+  if (builder.memory != nullptr &&
+      builder.memory->held() + faces * kBytesPerFace > builder.memory->low_water())
+    return nullptr;
+  auto made = std::make_unique<FlatScene>();
+  for (const FlatPart& part : parts) made->meshes_.insert(instances[part.placed.instance].mesh);
+  made->triangles_ = accel::mesh::FlatTree::make(parts, builder.rule, built, cancelled);
+  if (made->triangles_ == nullptr) return nullptr;
+  made->add_entered(std::move(entered), built);
+  return made;
+}
+
+std::uint64_t FlatScene::bytes() const {
+  return triangles_->bytes() + (entered_ == nullptr ? 0 : entered_->tree().bytes()) +
+         boxes_.capacity() * sizeof(Reference);
 }
 
 }  // namespace sightline::scenegraph::instances

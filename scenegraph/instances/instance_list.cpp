@@ -2,14 +2,16 @@
 #include "scenegraph/instances/instance_list.h"
 
 #include <algorithm>
+#include <chrono>
 #include <new>
+#include <thread>
 
 #include <tbb/task_arena.h>
 
-#include "accel/kdtree/epoch.h"
 #include "accel/lazy/lazy_tree.h"
 #include "scenegraph/instances/flat_scene.h"
 #include "scenegraph/instances/instance_group.h"
+#include "scenegraph/model/mesh.h"
 
 namespace sightline::scenegraph::instances {
 namespace {
@@ -19,10 +21,6 @@ using accel::kdtree::Reference;
 /// Groups that do not help culling are opened immediately until there are this many references.
 constexpr std::size_t kMaxImmediateRefs = kMaxUnclustered;
 
-/// A flat tree is made once there was one entry of a packet for this many of its triangles. To make
-/// it takes 50 to 190 ns a triangle; an entry takes 120 to 290 ns more than a walk of a flat tree.
-constexpr std::uint64_t kTrianglesPerEntry = 4;
-
 }  // namespace
 
 Instances::Instances(const hierarchy::Hierarchy& hierarchy, const MovedNodes* moved)
@@ -30,43 +28,51 @@ Instances::Instances(const hierarchy::Hierarchy& hierarchy, const MovedNodes* mo
       weight_shift_(weight_shift(view_.all().entry_cost)),
       instances_(view_.all().instances),
       root_group_(root_group(view_)),
-      flat_at_(view_.all().triangles / kTrianglesPerEntry) {}
+      flat_at_(view_.all().triangles) {}
 
 Instances::~Instances() { delete roots_.load(std::memory_order_acquire); }
 
-std::shared_ptr<const accel::wide::FlatTree> Instances::flat() const {
+std::shared_ptr<const FlatScene> Instances::flat() const {
   const std::lock_guard lock(flat_mutex_);
   return flat_;
 }
 
-void Instances::count_entries(std::uint64_t entries, const std::atomic<bool>* cancelled) const {
+void Instances::count_entries(std::uint64_t entries, accel::kdtree::BuildCounters& built,
+                              const std::atomic<bool>* cancelled) const {
   if (entries == 0) return;
   const std::uint64_t all = entries_.fetch_add(entries, std::memory_order_relaxed) + entries;
-  if (all < flat_at_.load(std::memory_order_relaxed) ||
-      making_flat_.exchange(true, std::memory_order_acquire))
-    return;
-  flat_at_.store(2 * all, std::memory_order_relaxed);
+  std::uint64_t at = flat_at_.load(std::memory_order_relaxed);
+  if (all < at || !flat_at_.compare_exchange_strong(at, 2 * all, std::memory_order_relaxed)) return;
   try {
-    tbb::this_task_arena::isolate([&] { make_flat(cancelled); });
+    make_flat(built, cancelled);
   } catch (const std::bad_alloc&) {  // rays enter instances, as before
   }
-  making_flat_.store(false, std::memory_order_release);
 }
 
-void Instances::make_flat(const std::atomic<bool>* cancelled) const {
-  const accel::kdtree::EpochPin pin;
-  const auto before = flat();
-  std::shared_ptr<const accel::wide::FlatTree> made = flatten(*this, before.get(), cancelled);
-  if (made == nullptr) return;
-  const std::lock_guard lock(flat_mutex_);
-  flat_.swap(made);
+void Instances::make_flat(accel::kdtree::BuildCounters& built,
+                          const std::atomic<bool>* cancelled) const {
+  std::unique_lock making(making_flat_, std::defer_lock);
+  while (!making.try_lock()) {
+    if (cancelled != nullptr && cancelled->load(std::memory_order_relaxed)) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  // The thread does not take up tasks that would wait for this one.
+  tbb::this_task_arena::isolate([&] {
+    const auto before = flat();
+    std::shared_ptr<const FlatScene> made = FlatScene::make(*this, before.get(), built, cancelled);
+    if (made == nullptr) return;
+    const std::lock_guard lock(flat_mutex_);
+    flat_.swap(made);
+  });
 }
 
 std::uint64_t Instances::drop_flat() const {
-  std::shared_ptr<const accel::wide::FlatTree> dropped;  // outside the lock: freeing takes time
+  std::shared_ptr<const FlatScene> dropped;  // outside the lock: freeing takes time
   const std::lock_guard lock(flat_mutex_);
   dropped.swap(flat_);
-  return dropped == nullptr ? 0 : dropped->bytes();
+  if (dropped == nullptr) return 0;
+  model::Mesh::count_dropped();
+  return dropped->bytes();
 }
 
 void Instances::begin() const {
@@ -96,6 +102,15 @@ void Instances::open(const Reference& ref, std::vector<Reference>& out) const {
     out.insert(out.end(), members.begin(), members.end());
   } else {
     append(opened(group(number)), out.size(), out);
+  }
+}
+
+void Instances::open_all() const {
+  std::vector<Reference> closed = coarsest();
+  while (!closed.empty()) {
+    const Reference next = closed.back();
+    closed.pop_back();
+    if (next.openable()) open(next, closed);
   }
 }
 

@@ -18,17 +18,14 @@ namespace sightline::accel::lazy {
 class LazyTree;
 }  // namespace sightline::accel::lazy
 
-namespace sightline::accel::wide {
-class FlatTree;
-}  // namespace sightline::accel::wide
-
 namespace sightline::scenegraph::instances {
 
+class FlatScene;
 struct Group;
 struct Opened;
 
 /// The instances of one tree. Opened groups stay open and the kd-tree grows; nothing else changes.
-/// Threads: all members, any; no thread waits for a stopped one.
+/// Threads: all members, any; no thread waits for a stopped one, except in make_flat().
 class Instances {
  public:
   /// The hierarchy must outlive this. `moved` is what a dynamic tree holds; null for the static
@@ -49,19 +46,16 @@ class Instances {
     return *instances_[index].load(std::memory_order_acquire);
   }
 
-  /// Whether an instance was opened.
-  bool has(std::size_t index) const {
-    return instances_[index].load(std::memory_order_acquire) != nullptr;
-  }
-
-  /// One tree over the triangles of most instances, which batches of rays share; null where there
-  /// is none.
-  std::shared_ptr<const accel::wide::FlatTree> flat() const;
-  /// Counts entries of rays into instances that are not flat. Makes a flat tree once they have cost
-  /// as much as that, and again after twice as many.
-  void count_entries(std::uint64_t entries, const std::atomic<bool>* cancelled) const;
-  /// Makes a flat tree, if more instances can be flat than are (flatten()). Throws std::bad_alloc.
-  void make_flat(const std::atomic<bool>* cancelled = nullptr) const;
+  /// The instances as far as they are flat, which batches of rays share; null where none is.
+  std::shared_ptr<const FlatScene> flat() const;
+  /// Counts entries of rays into instances that are not flat. Makes these flat once that has cost
+  /// as much as making them, and again after twice as many.
+  void count_entries(std::uint64_t entries, accel::kdtree::BuildCounters& built,
+                     const std::atomic<bool>* cancelled) const;
+  /// Makes instances flat, if more can be than are (FlatScene::make). Waits for a thread that does
+  /// so, until `cancelled` is true. Throws std::bad_alloc.
+  void make_flat(accel::kdtree::BuildCounters& built,
+                 const std::atomic<bool>* cancelled = nullptr) const;
   /// Leaves it to the batches that have it. Returns its bytes.
   std::uint64_t drop_flat() const;
 
@@ -78,6 +72,8 @@ class Instances {
   /// Appends the members of an openable reference: the same at every call, from any thread.
   /// Throws std::bad_alloc.
   void open(const accel::kdtree::Reference& ref, std::vector<accel::kdtree::Reference>& out) const;
+  /// Opens all groups. Throws std::bad_alloc.
+  void open_all() const;
   /// The members of a cluster, where they lie; none for other references.
   std::span<const accel::kdtree::Reference> members_of_cluster(
       const accel::kdtree::Reference& ref) const;
@@ -122,10 +118,12 @@ class Instances {
   LazyArray<std::atomic<const Instance*>> instances_;
   std::unique_ptr<Group> root_group_;
   mutable std::atomic<const Roots*> roots_{nullptr};
+  /// An entry takes 120 to 290 ns more than a walk of a flat tree, which takes about as long to
+  /// make for each triangle.
   mutable std::atomic<std::uint64_t> entries_{0}, flat_at_;
-  mutable std::atomic<bool> making_flat_{false};
+  mutable std::mutex making_flat_;
   mutable std::mutex flat_mutex_;  // held for one copy
-  mutable std::shared_ptr<const accel::wide::FlatTree> flat_;
+  mutable std::shared_ptr<const FlatScene> flat_;
   mutable std::atomic<std::uint64_t> opened_members_{0};
 };
 

@@ -76,6 +76,9 @@ class Mesh {
   }                             ///< Triangles with a NaN or infinite vertex.
   std::uint64_t bytes() const;  ///< Vertex and index arrays.
 
+  /// What its tree is grown by.
+  const accel::mesh::TreeBuilder& builder() const { return builder_; }
+
   /// Bytes that deformed() takes.
   std::uint64_t bytes_deformed() const;
 

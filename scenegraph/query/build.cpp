@@ -9,8 +9,9 @@
 #include <tbb/parallel_reduce.h>
 
 #include "accel/kdtree/epoch.h"
-#include "accel/lazy/lazy_tree.h"
 #include "accel/mesh/mesh_tree.h"
+#include "scenegraph/instances/flat_scene.h"
+#include "scenegraph/query/cast_counters.h"
 #include "scenegraph/query/first_error.h"
 #include "scenegraph/query/selection.h"
 
@@ -81,7 +82,6 @@ void build_mesh(const model::Mesh& mesh, const std::atomic<bool>* cancelled,
 
 Result<BuildCounters> build_meshes(std::span<const model::Mesh* const> meshes,
                                    const std::atomic<bool>* cancelled, BuildProgress& progress) {
-  add_totals(meshes, progress);
   FirstError error;
   const BuildCounters built = tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, meshes.size(), 1), BuildCounters{},
@@ -113,12 +113,44 @@ BuildCounters build_dynamic_trees(const instances::OpenTrees& trees,
   return built;
 }
 
+/// Leaves out the meshes that are flat in every instance; they are done.
+void leave_flat_out(const instances::OpenTrees& trees, std::vector<const model::Mesh*>& meshes,
+                    BuildProgress& progress) {
+  const auto flat = trees.static_tree().flat();
+  if (flat == nullptr) return;
+  std::unordered_set<const model::Mesh*> entered;
+  for (const accel::kdtree::Reference& ref : flat->boxes())
+    entered.insert(trees.static_tree()[ref.id].mesh);
+  for (const instances::OpenTree& tree : trees.dynamic()) {
+    tree.instances.open_all();
+    for (std::size_t i = 0; i < tree.instances.size(); ++i) entered.insert(tree.instances[i].mesh);
+  }
+  std::erase_if(meshes, [&](const model::Mesh* mesh) {
+    if (!flat->has(mesh) || entered.contains(mesh)) return false;
+    progress.triangles_done += mesh->triangles();
+    ++progress.meshes_done;
+    return true;
+  });
+}
+
+/// Makes the static instances flat, or builds the tree that rays find them by.
+BuildCounters build_static_tree(const instances::Instances& tree,
+                                const std::atomic<bool>* cancelled, BuildProgress& progress) {
+  BuildCounters built;
+  if (is_cancelled(cancelled)) return built;
+  tree.make_flat(built, cancelled);
+  progress.add(built.cells_expanded, built.seconds);
+  return tree.flat() != nullptr ? built : build_tree(tree, cancelled, progress);
+}
+
 /// Whether all trees are complete. A tree is not if there was no memory for some of its cells.
 bool is_complete(std::span<const model::Mesh* const> meshes, const instances::OpenTrees& trees) {
   const accel::kdtree::EpochPin pin;
-  return std::all_of(
-             trees.all().begin(), trees.all().end(),
-             [](const instances::OpenTree& tree) { return tree.instances.tree().is_complete(); }) &&
+  const auto is_built = [](const instances::OpenTree& tree) {
+    return tree.instances.tree().is_complete();
+  };
+  return (trees.static_tree().flat() != nullptr || is_built(trees.all().front())) &&
+         std::all_of(trees.dynamic().begin(), trees.dynamic().end(), is_built) &&
          std::all_of(meshes.begin(), meshes.end(), [](const model::Mesh* mesh) {
            return mesh->is_resident() && mesh->tree().is_complete();
          });
@@ -131,14 +163,16 @@ Result<TraceStats> build_all(const revision::Snapshot& snapshot, const std::atom
   if (progress == nullptr && snapshot.is_complete()) return TraceStats{};
   BuildProgress unreported;
   BuildProgress& reported = progress == nullptr ? unreported : *progress;
-  const std::vector<const model::Mesh*> meshes = snapshot.meshes();
+  std::vector<const model::Mesh*> meshes = snapshot.meshes();
+  add_totals(meshes, reported);
   const std::uint64_t dropped = model::Mesh::trees_dropped();
   const instances::OpenTrees trees = snapshot.trees();
   const auto build = [&]() -> Result<std::pair<BuildCounters, BuildCounters>> {
-    Result<BuildCounters> built_meshes = build_meshes(meshes, cancelled, reported);
+    BuildCounters built = build_static_tree(trees.static_tree(), cancelled, reported);
+    leave_flat_out(trees, meshes, reported);
+    const Result<BuildCounters> built_meshes = build_meshes(meshes, cancelled, reported);
     if (!built_meshes) return built_meshes.error();
-    BuildCounters built = *built_meshes;
-    built += build_tree(trees.static_tree(), cancelled, reported);
+    built += *built_meshes;
     const BuildCounters dynamic = build_dynamic_trees(trees, cancelled, reported);
     built += dynamic;
     return std::pair(built, dynamic);
@@ -152,12 +186,8 @@ Result<TraceStats> build_all(const revision::Snapshot& snapshot, const std::atom
   });
   if (is_complete(meshes, trees)) snapshot.set_complete(dropped);
   TraceStats stats;
-  stats.cells_expanded = built.cells_expanded;
-  stats.trees_begun = built.trees_begun;
-  stats.touches = built.touches;
+  add(built, stats);
   stats.dynamic_touches = dynamic.touches + dynamic.touches_prepare;
-  stats.touches_prepare = built.touches_prepare;
-  stats.build_seconds = built.seconds;
   return stats;
 }
 
@@ -225,7 +255,9 @@ std::uint64_t triangles_begun(std::span<const model::Mesh* const> meshes) {
 Status build_mesh_trees(std::span<const model::Node* const> nodes, BuildProgress& progress,
                         const std::atomic<bool>* cancelled) {
   const Status done = or_error([&] {
-    const auto built = build_meshes(meshes_of(nodes), cancelled, progress);
+    const std::vector<const model::Mesh*> meshes = meshes_of(nodes);
+    add_totals(meshes, progress);
+    const auto built = build_meshes(meshes, cancelled, progress);
     return built ? Status() : Status(built.error());
   });
   if (!done) return done.error();

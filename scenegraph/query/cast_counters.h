@@ -7,6 +7,14 @@
 
 namespace sightline::scenegraph::query {
 
+inline void add(const accel::kdtree::BuildCounters& built, TraceStats& stats) {
+  stats.cells_expanded += built.cells_expanded;
+  stats.trees_begun += built.trees_begun;
+  stats.touches += built.touches;
+  stats.touches_prepare += built.touches_prepare;
+  stats.build_seconds += built.seconds;
+}
+
 struct CastCounters {
   accel::kdtree::WalkCounters walked;
   /// What was built in the static tree, and in the meshes that rays entered through it.
@@ -17,12 +25,9 @@ struct CastCounters {
   void add_to(TraceStats& stats) const {
     stats.traversal_steps += walked.steps;
     stats.triangle_tests += walked.tests;
-    stats.cells_expanded += static_built.cells_expanded + dynamic_built.cells_expanded;
-    stats.trees_begun += static_built.trees_begun + dynamic_built.trees_begun;
-    stats.touches += static_built.touches + dynamic_built.touches;
-    stats.touches_prepare += static_built.touches_prepare + dynamic_built.touches_prepare;
+    add(static_built, stats);
+    add(dynamic_built, stats);
     stats.dynamic_touches += dynamic_built.touches + dynamic_built.touches_prepare;
-    stats.build_seconds += static_built.seconds + dynamic_built.seconds;
   }
 };
 

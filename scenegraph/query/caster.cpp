@@ -83,14 +83,12 @@ std::uint32_t Caster::cast(const RayColumns& rays, const RayPacket& packet, bool
   read();
   cells_.waits = waits;
   cells_.samples = samples_;
-  for (const instances::OpenTree& tree : trees_.all()) {
-    if (scene_.stopped) break;
-    const std::uint64_t before = entries_;
-    const bool is_static = &tree == &trees_.all().front();
+  const std::uint64_t before = entries_;
+  walk_static(trees_.all().front(), counters_.static_built);
+  static_entries_ += entries_ - before;
+  for (const instances::OpenTree& tree : trees_.dynamic()) {
     if (tree.instances.size() > 0)
-      walk_tree(tree, is_static ? flat_.get() : nullptr,
-                is_static ? counters_.static_built : counters_.dynamic_built);
-    if (is_static) static_entries_ += entries_ - before;
+      walk_tree(tree, tree.instances.tree(), scene_.left(valid_), counters_.dynamic_built);
   }
   if (scene_.suspended != 0 || scene_.stopped) progress_ = cells_.progress;
   return scene_.stopped || cells_.is_cancelled() ? 0 : end();
@@ -109,21 +107,44 @@ std::uint32_t Caster::end() {
   return answered();
 }
 
-void Caster::walk_tree(const instances::OpenTree& tree, const accel::wide::FlatTree* flat,
-                       accel::kdtree::BuildCounters& built) {
-  accel::lazy::LazyTree& kd = tree.instances.tree();
-  if (kd.tree().bounds().empty()) return;
-  std::uint32_t lanes = scene_.left(valid_);
-  if (lanes == 0) return;
-  InstanceTests content(*this, tree, built);
-  // Hits are counted once in a mesh that is in one of its blocks and in one of its lists.
-  if (flat != nullptr && (kind_ != QueryKind::kCount || flat->is_complete()))
-    lanes = walk_flat(tree, *flat, lanes, content);
-  if (lanes == 0) return;
+/// Takes rays through a tree over instances of `tree`.
+void Caster::walk_tree(const instances::OpenTree& tree, accel::lazy::LazyTree& kd,
+                       std::uint32_t lanes, accel::kdtree::BuildCounters& built) {
+  if (lanes == 0 || kd.tree().bounds().empty()) return;
+  InstanceTests content(*this, tree, kd.frame(), built);
   if (const auto only = kd.only()) return content.visit_only(*only, lanes);
   lanes = accel::wide::center(given_, tree.instances.center(), lanes, scene_.rays);
   lanes = accel::wide::prepare(scene_, kd.frame(), lanes);
   accel::lazy::GrowingLeaf(kd, scene_, cells_, counters_.walked, built, content).walk(lanes);
+}
+
+namespace {
+
+/// The rays whose directions are neither so short nor so long that they may be out of range in the
+/// frame of a flat instance.
+std::uint32_t ordinary(const accel::wide::Rays& rays, std::uint32_t lanes) {
+  std::uint32_t in_range = 0;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    const double unit = rays.unit[lane];
+    in_range |= static_cast<std::uint32_t>(unit >= 0x1p-800 && unit <= 0x1p+800) << lane;
+  }
+  return lanes & in_range;
+}
+
+}  // namespace
+
+void Caster::walk_static(const instances::OpenTree& tree, accel::kdtree::BuildCounters& built) {
+  if (tree.instances.size() == 0) return;
+  std::uint32_t lanes = scene_.left(valid_);
+  if (flat_ != nullptr) {
+    lanes = accel::wide::center(given_, tree.instances.center(), lanes, scene_.rays);
+    const std::uint32_t flat = ordinary(scene_.rays, lanes);
+    walk_flat(tree, flat);
+    if (flat_->entered() != nullptr)
+      walk_tree(tree, *flat_->entered(), scene_.left(flat), built);
+    lanes = scene_.left(lanes & ~flat);
+  }
+  walk_tree(tree, tree.instances.tree(), lanes, built);
 }
 
 namespace {
@@ -142,41 +163,31 @@ struct Seen {
   }
 };
 
-/// The leaf policy of a flat tree, whose lists are instances that are entered.
-template <class Tests>
-struct Closed {
-  Tests& tests;
-
+/// The leaf policy of a tree that ends in blocks everywhere.
+struct AllBlocks {
   accel::wide::Child enter(accel::kdtree::AtomicSlot&, std::uint32_t) { return {}; }
-  void visit(std::span<const std::uint32_t> ids, std::uint32_t lanes) { tests.leaf(ids, lanes); }
+  void visit(std::span<const std::uint32_t>, std::uint32_t) {}
 };
 
 }  // namespace
 
-/// Returns the rays whose directions are so short or long that they may be out of range in some
-/// instance's frame: they enter instances one by one.
-std::uint32_t Caster::walk_flat(const instances::OpenTree& tree, const accel::wide::FlatTree& flat,
-                                std::uint32_t lanes, InstanceTests& closed) {
-  lanes = accel::wide::center(given_, tree.instances.center(), lanes, scene_.rays);
-  std::uint32_t extreme = 0;
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    const double unit = scene_.rays.unit[lane];
-    if (!(unit >= 0x1p-800 && unit <= 0x1p+800)) extreme |= lanes & 1u << lane;
-  }
-  lanes = accel::wide::prepare(scene_, flat.frame(), lanes & ~extreme);
-  if (lanes == 0) return extreme;
+/// Takes rays that are centered through the triangles of flat instances.
+void Caster::walk_flat(const instances::OpenTree& tree, std::uint32_t lanes) {
+  const accel::mesh::FlatTree& flat = flat_->triangles();
+  lanes = accel::wide::prepare(scene_, flat.frame(), lanes);
+  if (lanes == 0) return;
   const Seen seen{tree, options_.selection, masks_};
   const accel::wide::Visibility visible{&Seen::seeing, &seen};
   const bool filters =
       tree.removed != nullptr || options_.selection != nullptr || !masks_.see_all();
-  scene_.placed = {flat.meshes().data(), &given_, filters ? &visible : nullptr,
-                   static_cast<std::uint32_t>(tree.first)};
-  Closed<InstanceTests> policy{closed};
-  accel::wide::walk(scene_, accel::wide::Child::final(flat.tree().root()), lanes,
-                    accel::wide::Leaf(policy), counters_.walked);
-  if (scene_.goal == Goal::kNearest && !scene_.stopped) accel::wide::resolve(scene_, scene_.live);
+  scene_.placed = flat.meshes();
+  scene_.placed.given = &given_;
+  scene_.placed.visible = filters ? &visible : nullptr;
+  scene_.placed.first_instance = static_cast<std::uint32_t>(tree.first);
+  AllBlocks leaf;
+  accel::wide::walk(scene_, flat.root(), lanes, accel::wide::Leaf(leaf), counters_.walked);
+  if (scene_.goal == Goal::kNearest) accel::wide::resolve(scene_, scene_.live);
   scene_.placed = {};
-  return extreme;
 }
 
 void Caster::enter(const instances::Instance& instance, std::uint32_t index, std::uint32_t lanes,

@@ -10,11 +10,11 @@
 
 #include "accel/kdtree/epoch.h"
 #include "accel/lazy/cell_query.h"
-#include "accel/wide/flat_tree.h"
 #include "accel/wide/float_rays.h"
 #include "accel/wide/packet.h"
 #include "accel/wide/transform.h"
 #include "accel/wide/walk.h"
+#include "scenegraph/instances/flat_scene.h"
 #include "scenegraph/instances/scene_trees.h"
 #include "scenegraph/query/cast_counters.h"
 #include "scenegraph/query/collected.h"
@@ -74,10 +74,10 @@ class Caster {
 
   void read();
   std::uint32_t end();
-  void walk_tree(const instances::OpenTree& tree, const accel::wide::FlatTree* flat,
+  void walk_tree(const instances::OpenTree& tree, accel::lazy::LazyTree& kd, std::uint32_t lanes,
                  accel::kdtree::BuildCounters& built);
-  std::uint32_t walk_flat(const instances::OpenTree& tree, const accel::wide::FlatTree& flat,
-                          std::uint32_t lanes, InstanceTests& closed);
+  void walk_static(const instances::OpenTree& tree, accel::kdtree::BuildCounters& built);
+  void walk_flat(const instances::OpenTree& tree, std::uint32_t lanes);
   void enter(const instances::Instance& instance, std::uint32_t index, std::uint32_t lanes,
              accel::kdtree::BuildCounters& built);
   /// The rays of `lanes` that have not entered the instance before, for counts and lists.
@@ -88,8 +88,8 @@ class Caster {
 
   accel::kdtree::EpochPin& pin_;
   const instances::OpenTrees trees_;
-  /// One tree over the triangles of most static instances; null if there is none.
-  const std::shared_ptr<const accel::wide::FlatTree> flat_;
+  /// The static instances, as far as they are flat; null if none is.
+  const std::shared_ptr<const instances::FlatScene> flat_;
   const QueryKind kind_;
   const TraceOptions options_;
   bool samples_ = false;  // see CellQuery

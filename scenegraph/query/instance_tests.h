@@ -22,13 +22,14 @@ namespace sightline::scenegraph::query {
 /// tree.
 class Caster::InstanceTests {
  public:
-  InstanceTests(Caster& caster, const instances::OpenTree& tree,
+  InstanceTests(Caster& caster, const instances::OpenTree& tree, const accel::wide::Frame& frame,
                 accel::kdtree::BuildCounters& built)
       : caster_(caster),
         packet_(caster.scene_),
         tree_(tree.instances),
         open_(tree),
         first_(static_cast<std::uint32_t>(tree.first)),
+        frame_(frame),
         built_(built) {}
 
   /// Visits the instance of a tree that has only one: its box need not be tested, as its mesh's
@@ -107,10 +108,7 @@ class Caster::InstanceTests {
 
   /// The rays of `lanes` that may meet a box before their best hits.
   std::uint32_t meeting(const accel::geometry::Aabb& box, std::uint32_t lanes) const {
-    // Boxes of a flat tree's closed instances are in its coordinates.
-    const accel::geometry::Aabb in_tree =
-        packet_.placed.all != nullptr ? box : in_frame(tree_.tree().frame(), box);
-    return accel::wide::meeting(packet_, in_tree, lanes);
+    return accel::wide::meeting(packet_, in_frame(frame_, box), lanes);
   }
 
   Caster& caster_;
@@ -118,6 +116,7 @@ class Caster::InstanceTests {
   const instances::Instances& tree_;
   const instances::OpenTree& open_;
   const std::uint32_t first_;
+  const accel::wide::Frame& frame_;  // of the tree that the rays are prepared for
   accel::kdtree::BuildCounters& built_;
   RecentLanes recent_;
   std::uint64_t tests_ = 0;  // references tested

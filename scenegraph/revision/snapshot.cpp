@@ -8,6 +8,7 @@
 #include "accel/kdtree/tree_metrics.h"
 #include "accel/mesh/face_boxes.h"
 #include "accel/mesh/mesh_tree.h"
+#include "scenegraph/instances/flat_scene.h"
 #include "scenegraph/revision/levels.h"
 
 namespace sightline::scenegraph::revision {
@@ -91,6 +92,9 @@ BuildSummary summarize_build(const Snapshot& snapshot) {
   for (const model::NodeId id : instances::topmost_dynamic_roots(snapshot.hierarchy()))
     s.dynamic_instances += snapshot.hierarchy().summary(id).mesh_nodes;
   s.static_instances = all.mesh_nodes - s.dynamic_instances;
+  const instances::Instances* opened = snapshot.shared_trees().static_tree()->instances_so_far();
+  const auto flat = opened == nullptr ? nullptr : opened->flat();
+  if (flat != nullptr) s.cells_expanded += flat->triangles().tree().growth().cells_built;
   std::unordered_set<const model::Mesh*> seen;
   snapshot.nodes().for_each([&](model::NodeId, const std::shared_ptr<const model::Node>& node) {
     const model::Mesh* mesh = node->mesh.get();
@@ -104,10 +108,11 @@ BuildSummary summarize_build(const Snapshot& snapshot) {
     }
     const accel::kdtree::EpochPin pin;
     const accel::kdtree::GrowthMetrics growth = mesh->tree().growth();
-    s.trees_built += growth.references_built > 0 ? 1 : 0;
-    s.cells_deferred += growth.cells_deferred;
+    const bool is_flat = flat != nullptr && flat->has(mesh);
+    s.trees_built += is_flat || growth.references_built > 0 ? 1 : 0;
+    s.cells_deferred += is_flat ? 0 : growth.cells_deferred;
     s.cells_expanded += growth.cells_built;
-    s.triangles_built += growth.references_built;
+    s.triangles_built += is_flat ? mesh->triangles() - mesh->nonfinite() : growth.references_built;
     s.bytes_geometry += mesh->bytes();
     s.bytes_trees += mesh->tree().bytes();
     if (const accel::kdtree::KdTree* kd = mesh->tree().kd()) {

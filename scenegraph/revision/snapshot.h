@@ -77,7 +77,8 @@ struct SceneSummary {
 };
 SceneSummary summarize(const Snapshot& snapshot);
 
-/// How much of the trees exists. Walks the built part of every distinct mesh's tree.
+/// How much of the trees exists. Walks the built part of every distinct mesh's tree. What is in the
+/// flat tree (instances::FlatScene) counts as built in its mesh.
 struct BuildSummary {
   std::uint64_t instances_total = 0;  ///< Nodes that have a mesh, flat ones too.
   /// Instances whose mesh tree rays have entered or a full build has made.

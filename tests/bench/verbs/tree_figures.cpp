@@ -9,6 +9,7 @@
 #include "accel/published/bvh/traverse.h"
 #include "accel/published/kd/plain_tree.h"
 #include "accel/published/kd/traverse.h"
+#include "scenegraph/instances/flat_scene.h"
 #include "tests/bench/verbs/end_point_overlap.h"
 #include "tests/support/all_instances.h"
 #include "tests/support/walk_in_doubles.h"
@@ -66,25 +67,34 @@ class LeafMarker {
   std::vector<bool>& seen_;
 };
 
+void add(const accel::kdtree::TreeMetrics& m, accel::kdtree::TreeMetrics& sum) {
+  sum.nodes += m.nodes;
+  sum.leaves += m.leaves;
+  sum.nonempty_leaves += m.nonempty_leaves;
+  sum.references += m.references;
+  sum.max_depth = std::max(sum.max_depth, m.max_depth);
+  sum.deferred_cells += m.deferred_cells;
+  sum.expected_traversals += m.expected_traversals;
+  sum.expected_leaves += m.expected_leaves;
+  sum.expected_intersections += m.expected_intersections;
+  sum.sah_cost += m.sah_cost;
+  sum.overlap += m.overlap;
+  sum.bytes += m.bytes;
+}
+
 }  // namespace
 
 accel::kdtree::TreeMetrics measure_meshes(const scenegraph::revision::Snapshot& snapshot) {
   const accel::kdtree::EpochPin pin;
   accel::kdtree::TreeMetrics sum;
+  const auto flat = snapshot.trees().static_tree().flat();
+  if (flat != nullptr) {
+    add(flat->triangles().tree().metrics(), sum);
+    sum.bytes += flat->bytes() - flat->triangles().tree().bytes();
+  }
   for (const scenegraph::model::Mesh* mesh : snapshot.meshes()) {
-    const accel::kdtree::TreeMetrics m = mesh->tree().metrics();
-    sum.nodes += m.nodes;
-    sum.leaves += m.leaves;
-    sum.nonempty_leaves += m.nonempty_leaves;
-    sum.references += m.references;
-    sum.max_depth = std::max(sum.max_depth, m.max_depth);
-    sum.deferred_cells += m.deferred_cells;
-    sum.expected_traversals += m.expected_traversals;
-    sum.expected_leaves += m.expected_leaves;
-    sum.expected_intersections += m.expected_intersections;
-    sum.sah_cost += m.sah_cost;
-    sum.overlap += m.overlap;
-    sum.bytes += m.bytes;
+    if (flat == nullptr || !flat->has(mesh) || !mesh->tree().untouched())
+      add(mesh->tree().metrics(), sum);
   }
   return sum;
 }

@@ -14,8 +14,8 @@
 
 namespace sightline::bench {
 
-/// Sums, and the maximum of max_depth. For a single mesh: the figures of that mesh's tree. The
-/// scene-level tree is left out.
+/// Sums over the trees of meshes and that of flat instances, and the maximum of max_depth. For a
+/// single mesh: the figures of that mesh's tree. The tree over instances is left out.
 accel::kdtree::TreeMetrics measure_meshes(const scenegraph::revision::Snapshot& snapshot);
 
 /// Figures of the meshes whose trees are hierarchies; nothing if there are none.

@@ -66,6 +66,11 @@ struct Answers {
   std::vector<scenegraph::RayTally> counts, lists;
 };
 
+void make_flat(const scenegraph::instances::Instances& instances) {
+  accel::kdtree::BuildCounters built;
+  instances.make_flat(built);
+}
+
 /// All kinds of answers, by the flat tree or without one.
 Answers answers_of(const Snapshot& snapshot, const std::vector<Ray>& rays, const VerdictCase& asked,
                    bool flat) {
@@ -77,7 +82,7 @@ Answers answers_of(const Snapshot& snapshot, const std::vector<Ray>& rays, const
   const auto options = [&](QueryKind kind) {
     const auto& instances = snapshot.trees().static_tree();
     if (flat) {
-      instances.make_flat();
+      make_flat(instances);
     } else {
       instances.drop_flat();
     }
@@ -121,7 +126,7 @@ std::optional<std::string> check_flat(const VerdictCase& asked, bool& is_flat) {
   if (!scene.apply(updates)) return std::nullopt;
   const auto snapshot = scene.snapshot();
   if (!scenegraph::build_all(*snapshot)) return std::nullopt;
-  snapshot->trees().static_tree().make_flat();
+  make_flat(snapshot->trees().static_tree());
   is_flat = snapshot->trees().static_tree().flat() != nullptr;
   if (!is_flat) return std::nullopt;
   std::vector<Ray> rays;

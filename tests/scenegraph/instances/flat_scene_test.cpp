@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "accel/mesh/mesh_tree.h"
 #include "scenegraph/query/build.h"
 #include "scenegraph/query/selection.h"
 #include "scenegraph/scene.h"
@@ -26,8 +27,8 @@ bool is_flat(const Scene& scene) {
 }
 
 void make_flat(const Scene& scene) {
-  ASSERT_TRUE(query::build_all(*scene.snapshot()));
-  scene.snapshot()->trees().static_tree().make_flat();
+  accel::kdtree::BuildCounters built;
+  scene.snapshot()->trees().static_tree().make_flat(built);
 }
 
 class FlatScenes : public testing::TestWithParam<Frames> {};
@@ -64,30 +65,44 @@ TEST_P(FlatScenes, EqualTheOracleWhenNodesHaveMovedOrGone) {
   EXPECT_GT(hits, 1'000u);
 }
 
-/// Meshes are in blocks where rays have touched them, and are entered elsewhere.
-TEST_P(FlatScenes, EqualTheOracleWhereCellsAreNotBuilt) {
+/// Instances of large meshes with several uses are entered; others are flat beside them.
+TEST_P(FlatScenes, EqualTheOracleWhereSomeInstancesAreEntered) {
   tests::Random random(10);
   std::vector<model::Update> updates;
-  for (int i = 1; i <= 6; ++i) {
-    updates.push_back(tests::put_node(-i, 0, tests::mesh_of(tests::icosphere(4)),
-                                      tests::random_frame(random, GetParam())));
+  const auto shared = tests::mesh_of(tests::icosphere(4));
+  for (int i = 1; i <= 12; ++i) {
+    const auto mesh = i % 2 == 0 ? shared : tests::mesh_of(tests::icosphere(2));
+    updates.push_back(tests::put_node(-i, 0, mesh, tests::random_frame(random, GetParam())));
   }
   Scene scene;
   ASSERT_TRUE(scene.apply(updates));
+  make_flat(scene);
+  const auto flat = scene.snapshot()->trees().static_tree().flat();
+  ASSERT_NE(flat, nullptr);
+  EXPECT_GE(flat->boxes().size(), 6u);
+  ASSERT_NE(flat->entered(), nullptr);
+  for (const Culling culling : {Culling::kNone, Culling::kBack})
+    EXPECT_GT(tests::expect_oracle(scene, 300, 12, culling), 50u);
+}
+
+/// A full build makes instances flat, and builds the trees of meshes that rays enter.
+TEST(FlatScene, IsAllThatAFullBuildBuilds) {
+  Scene scene;
+  const auto shared = tests::mesh_of(tests::icosphere(4));
+  const auto single = tests::mesh_of(tests::icosphere(2));
+  ASSERT_TRUE(scene.apply({tests::put_node(-1, 0, shared, {}), tests::put_node(-2, 0, shared, {}),
+                           tests::put_node(-3, 0, single, {})}));
   const auto snapshot = scene.snapshot();
-  const std::vector<accel::geometry::Ray> rays = tests::rays_through(*snapshot, 30, 11);
-  std::vector<accel::geometry::Hit> hits(rays.size());
-  ASSERT_TRUE(trace(*snapshot, rays, hits, {}));
-  const Instances& instances = snapshot->trees().static_tree();
-  instances.make_flat();
-  const auto first = instances.flat();
-  ASSERT_NE(first, nullptr);
-  EXPECT_FALSE(first->is_complete());
-  EXPECT_GT(tests::expect_oracle(scene, 300, 12), 100u);
-  instances.make_flat();
-  ASSERT_NE(instances.flat(), first);
-  EXPECT_GT(instances.flat()->blocks(), first->blocks());
-  EXPECT_GT(tests::expect_oracle(scene, 300, 13), 100u);
+  query::BuildProgress progress;
+  ASSERT_TRUE(query::build_all(*snapshot, nullptr, &progress));
+  EXPECT_TRUE(is_flat(scene));
+  EXPECT_TRUE(snapshot->is_complete());
+  EXPECT_EQ(progress.triangles_done, progress.triangles_total);
+  EXPECT_EQ(progress.meshes_done, 2u);
+  EXPECT_TRUE(shared->tree().is_complete());
+  EXPECT_TRUE(single->tree().untouched());
+  snapshot->trees().static_tree().drop_flat();
+  EXPECT_FALSE(snapshot->is_complete());
 }
 
 TEST_P(FlatScenes, EqualTheOracleForRaysThatSeeAPart) {
