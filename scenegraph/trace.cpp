@@ -72,6 +72,7 @@ TraceStats with_caster(const instances::OpenTrees& trees, QueryKind kind,
     stats = caster.stats();
     entries = caster.static_entries();
   }
+  if (!accel::lazy::may_grow(options.growth)) return stats;
   accel::kdtree::BuildCounters built;
   trees.static_tree().count_entries(entries, built, options.cancelled);
   query::add(built, stats);

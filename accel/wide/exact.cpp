@@ -199,7 +199,8 @@ std::uint32_t read_placed(const Packet& packet, const LanePairs& pairs, std::uin
     hwy::Prefetch(frames[lane]);
     hwy::Prefetch(&(*frames[lane])[8]);
   }
-  for (std::size_t lane = 0; lane < kLanes; ++lane) hwy::Prefetch(vertices[lane] + (*faces[lane])[0]);
+  for (std::size_t lane = 0; lane < kLanes; ++lane)
+    hwy::Prefetch(vertices[lane] + (*faces[lane])[0]);
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
     const auto [a, b, c] = *faces[lane];
     for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -29,8 +29,8 @@ struct Visibility {
   const void* asked;
 };
 
-/// What a packet needs to know in a flat tree, whose blocks have the numbers of faces among those of
-/// all meshes.
+/// What a packet needs to know in a flat tree, whose blocks have the numbers of faces among those
+/// of all meshes.
 struct PlacedMeshes {
   const PlacedMesh* all = nullptr;         ///< Null in other trees.
   const std::uint32_t* mesh_of = nullptr;  ///< The index of each face's mesh.

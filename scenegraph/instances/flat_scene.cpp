@@ -68,8 +68,9 @@ constexpr std::uint64_t kBytesPerFace = 150;
 void FlatScene::add_entered(std::vector<Reference> boxes, accel::kdtree::BuildCounters& built) {
   if (boxes.empty()) return;
   boxes_ = std::move(boxes);
-  entered_ = std::make_unique<accel::lazy::LazyTree>(
-      bounds_of(boxes_), boxes_.size(), accel::split::default_rule(), accel::lazy::source_of(boxes_));
+  entered_ = std::make_unique<accel::lazy::LazyTree>(bounds_of(boxes_), boxes_.size(),
+                                                     accel::split::default_rule(),
+                                                     accel::lazy::source_of(boxes_));
   entered_->expand_all(built);
 }
 
@@ -108,7 +109,8 @@ std::unique_ptr<const FlatScene> FlatScene::make(const Instances& instances,
     }
   }
   if (parts.empty() || (before != nullptr && faces <= before->triangles().faces())) return nullptr;
-  const accel::mesh::TreeBuilder& builder = instances[parts.front().placed.instance].mesh->builder();
+  const accel::mesh::TreeBuilder& builder =
+      instances[parts.front().placed.instance].mesh->builder();
   if (builder.memory != nullptr &&
       builder.memory->held() + faces * kBytesPerFace > builder.memory->low_water())
     return nullptr;

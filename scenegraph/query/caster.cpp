@@ -140,8 +140,7 @@ void Caster::walk_static(const instances::OpenTree& tree, accel::kdtree::BuildCo
     lanes = accel::wide::center(given_, tree.instances.center(), lanes, scene_.rays);
     const std::uint32_t flat = ordinary(scene_.rays, lanes);
     walk_flat(tree, flat);
-    if (flat_->entered() != nullptr)
-      walk_tree(tree, *flat_->entered(), scene_.left(flat), built);
+    if (flat_->entered() != nullptr) walk_tree(tree, *flat_->entered(), scene_.left(flat), built);
     lanes = scene_.left(lanes & ~flat);
   }
   walk_tree(tree, tree.instances.tree(), lanes, built);

@@ -139,11 +139,13 @@ TEST(FlatScene, IsMadeByRaysThatHavePaid) {
   const std::vector<accel::geometry::Ray> rays = tests::rays_through(*snapshot, 20'000, 4);
   std::vector<accel::geometry::Hit> first(rays.size()), later(rays.size());
   TraceOptions options;
-  options.growth = Growth::kFull;
   ASSERT_TRUE(trace(*snapshot, std::span(rays).first(10), std::span(first).first(10), options));
   EXPECT_FALSE(is_flat(scene));
+  options.growth = Growth::kNone;
   const auto entering = trace(*snapshot, rays, first, options);
   ASSERT_TRUE(entering);
+  EXPECT_FALSE(is_flat(scene));  // rays that grow nothing make no tree
+  options.growth = Growth::kFirstTouch;
   for (int again = 0; again < 20 && !is_flat(scene); ++again)
     ASSERT_TRUE(trace(*snapshot, rays, later, options));
   EXPECT_TRUE(is_flat(scene));

@@ -36,12 +36,16 @@ using tests::put_node;
 constexpr std::uint32_t kTriangles = 12'000;
 constexpr std::uint64_t kMuch = std::uint64_t{1} << 40;
 
-/// Hills and a ball, whose trees share a memory.
+/// Hills and a ball, whose trees share a memory. Each is there twice, so that it is entered and not
+/// flat (instances::FlatScene).
 struct TwoMeshes {
   explicit TwoMeshes(std::uint64_t limit)
       : memory(std::make_shared<TreeMemory>(limit)),
         meshes{make(tests::hills(kTriangles, 1)), make(tests::icosphere(4))} {
-    EXPECT_TRUE(scene.apply({put_node(-1, 0, meshes[0]), put_node(-2, 0, meshes[1])}));
+    constexpr Affine kBeside{{1, 0, 0, 8, 0, 1, 0, 0, 0, 0, 1, 0}};
+    EXPECT_TRUE(
+        scene.apply({put_node(-1, 0, meshes[0]), put_node(-2, 0, meshes[1]),
+                     put_node(-3, 0, meshes[0], kBeside), put_node(-4, 0, meshes[1], kBeside)}));
     snapshot = scene.snapshot();
   }
 
