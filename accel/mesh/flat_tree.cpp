@@ -84,7 +84,8 @@ std::unique_ptr<const FlatTree> FlatTree::make(std::span<FlatPart> parts,
                                                const split::SplitRule& rule,
                                                kdtree::BuildCounters& built,
                                                const std::atomic<bool>* cancelled) {
-  constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max() - 1;
+  // Ids of faces and runs are below the flags in kdtree::Reference::id.
+  constexpr std::uint64_t kMost = std::uint64_t{1} << 28;
   auto made = std::make_unique<FlatTree>();
   std::vector<std::uint32_t> first_vertex;
   std::uint64_t vertices = 0, faces = 0;

@@ -92,8 +92,9 @@ BuildSummary summarize_build(const Snapshot& snapshot) {
   for (const model::NodeId id : instances::topmost_dynamic_roots(snapshot.hierarchy()))
     s.dynamic_instances += snapshot.hierarchy().summary(id).mesh_nodes;
   s.static_instances = all.mesh_nodes - s.dynamic_instances;
-  const instances::Instances* opened = snapshot.shared_trees().static_tree()->instances_so_far();
-  const auto flat = opened == nullptr ? nullptr : opened->flat();
+  const instances::Instances* all_static =
+      snapshot.shared_trees().static_tree()->instances_so_far();
+  const auto flat = all_static == nullptr ? nullptr : all_static->flat();
   if (flat != nullptr) s.cells_expanded += flat->triangles().tree().growth().cells_built;
   std::unordered_set<const model::Mesh*> seen;
   snapshot.nodes().for_each([&](model::NodeId, const std::shared_ptr<const model::Node>& node) {
