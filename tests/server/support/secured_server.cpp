@@ -5,6 +5,7 @@
 #include <grpc/grpc.h>
 #include <grpcpp/client_context.h>
 #include <grpcpp/create_channel.h>
+#include <openssl/crypto.h>
 #include <spdlog/spdlog.h>
 
 #include <chrono>
@@ -12,8 +13,16 @@
 #include "tests/server/support/token_file.h"
 
 namespace sightline::tests {
+namespace {
+
+/// Threads of gRPC live until the process ends. If OpenSSL cleaned up before, what it keeps for
+/// each of them would be leaked.
+const int kNeverCleanedUp = OPENSSL_init_crypto(OPENSSL_INIT_NO_ATEXIT, nullptr);
+
+}  // namespace
 
 SecuredServer::SecuredServer(bool mutual) {
+  EXPECT_EQ(kNeverCleanedUp, 1);
   // Never released: see connect() of live_server.cpp.
   static const bool library_held = (grpc_init(), true);
   static_cast<void>(library_held);
