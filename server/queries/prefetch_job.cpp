@@ -97,14 +97,17 @@ Status PrefetchJob::build() {
   std::erase_if(*nodes, [&](const scenegraph::model::Node* node) { return !shard->has(node->id); });
   meshes_ = scenegraph::query::meshes_of(*nodes);
   known_.store(true, std::memory_order_release);
-  if (roots_.empty() && !query_.selects()) {
-    const auto all = scenegraph::build_all(*snapshot_, &cancelled_, &progress_);
-    return all ? Status() : Status(all.error());
-  }
   if (Status built = scenegraph::query::build_mesh_trees(*nodes, progress_, &cancelled_); !built)
     return built;
-  return roots_.empty() ? scenegraph::query::build_scene_tree(*snapshot_, progress_, &cancelled_)
-                        : Status();
+  if (!roots_.empty()) return {};
+  if (Status built = scenegraph::query::build_scene_tree(*snapshot_, progress_, &cancelled_);
+      !built || query_.selects())
+    return built;
+  // Rays of all see all: they will find the instances flat.
+  const auto all = scenegraph::build_all(*snapshot_, &cancelled_);
+  if (!all) return all.error();
+  progress_.add(all->cells_expanded, all->build_seconds);
+  return {};
 }
 
 Status PrefetchJob::grow() {
