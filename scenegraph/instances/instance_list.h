@@ -118,8 +118,8 @@ class Instances {
   LazyArray<std::atomic<const Instance*>> instances_;
   std::unique_ptr<Group> root_group_;
   mutable std::atomic<const Roots*> roots_{nullptr};
-  /// An entry takes 120 to 290 ns more than a walk of a flat tree, which takes about as long to
-  /// make for each triangle.
+  // An entry takes 120 to 290 ns more than a walk of a flat tree. To make the tree takes about as
+  // long for each triangle.
   mutable std::atomic<std::uint64_t> entries_{0}, flat_at_;
   mutable std::mutex making_flat_;
   mutable std::mutex flat_mutex_;  // held for one copy
