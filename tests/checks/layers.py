@@ -93,7 +93,7 @@ hwy             accel
 fmt             proto server client
 spdlog          server
 prometheus      server
-boost           server/admin
+boost           server/admin accel/geometry
 grpc            server client/*.cpp client/calls client/wire
 grpcpp          server client/*.cpp client/calls client/wire
 google/protobuf server client/calls client/wire

@@ -1,0 +1,162 @@
+// The distance rule: doubles choose the nearest corner, edge or inside, double-doubles compute the
+// distance, both with proven bounds; integers decide the rest.
+#include "accel/geometry/closest.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "accel/geometry/bounded_signs.h"
+#include "accel/geometry/closest_exact.h"
+#include "accel/geometry/intersect.h"
+#include "accel/geometry/local_ray.h"
+
+namespace sightline::accel::geometry {
+namespace {
+
+using Matrix = std::array<double, 12>;
+using Vertices = std::array<Vec3f, 3>;
+
+double square(const Vec3dd& v) { return dot(high(v), high(v)); }
+
+/// The largest distance of a corner.
+double reach(const SeenFace& face) {
+  return std::sqrt(
+      std::max({square(face.corner[0]), square(face.corner[1]), square(face.corner[2])}));
+}
+
+/// |e_2| |e_0| / |N|: how much larger relative errors are in N than in its terms.
+double thinness(const SeenFace& face, const Vec3dd& normal) {
+  return std::sqrt(square(face.edge[2]) * square(face.edge[0]) / square(normal));
+}
+
+/// The square of a distance as a quotient.
+struct SquaredDistance {
+  DoubleDouble numerator, denominator;
+  double error = 0;  // Of its root
+};
+
+SquaredDistance squared_distance(const SeenFace& face, const Feature& feature) {
+  const Vec3dd& corner = face.corner[feature.index];
+  if (feature.part == Part::kCorner) {
+    const DoubleDouble square = dot(corner, corner);
+    return {square, {1, 0}, 0x1p-100 * std::sqrt(square.high)};
+  }
+  if (feature.part == Part::kEdge) {
+    const Vec3dd& edge = face.edge[feature.index];
+    const Vec3dd moment = cross(edge, corner);
+    return {dot(moment, moment), dot(edge, edge), 0x1p-100 * reach(face)};
+  }
+  const Vec3dd normal = cross(face.edge[2], face.edge[0]);
+  const DoubleDouble height = dot(normal, corner);
+  return {height * height, dot(normal, normal), 0x1p-99 * thinness(face, normal) * reach(face)};
+}
+
+/// The distance, unless its last bit is in doubt.
+std::optional<double> computed_distance(const SeenFace& face) {
+  Feature feature = nearest_feature(BoundedSigns<double>(face, kSignShare, 0));
+  if (!feature.certain)
+    feature = nearest_feature(BoundedSigns<DoubleDouble>(face, kFineSignShare, 0));
+  if (feature.part == Part::kUnknown) return std::nullopt;
+  const SquaredDistance square = squared_distance(face, feature);
+  if (square.numerator.high == 0 && feature.part == Part::kCorner && face.error == 0) return 0.0;
+  // Squares below this may have lost bits.
+  constexpr double kLeastSquare = 0x1p-900;
+  if (square.numerator.high < kLeastSquare || square.denominator.high < kLeastSquare)
+    return std::nullopt;
+  const DoubleDouble d = root_of_quotient(square.numerator, square.denominator);
+  double error = square.error + face.error;
+  if (!feature.certain) {
+    const double largest = reach(face);
+    error += 0x1p-96 * largest * (largest / d.high);
+  }
+  // Both ends of the interval are rounded as its middle.
+  if (d.high + (d.low - error) != d.high || d.high + (d.low + error) != d.high) return std::nullopt;
+  return d.high;
+}
+
+Vec3d without_smallest(const Vec3d& p) {
+  const auto flushed = [](double x) { return std::fabs(x) < kSmallestRay ? 0.0 : x; };
+  return {flushed(p.x), flushed(p.y), flushed(p.z)};
+}
+
+/// How far the computed nearest point may be off, inside or on an edge: what the errors of the
+/// corners and of double-doubles make of it, for a shortest edge of this length.
+double spread(const SeenFace& face, double thinness, double shortest) {
+  const double largest = reach(face);
+  return 16 * (face.error + 0x1p-98 * largest) * thinness * (1 + largest / shortest);
+}
+
+/// Whether the nearest point and its weights are off by much less than they are rounded by.
+bool is_accurate(const Vec3d& p, const SeenFace& face, double thinness, double shortest) {
+  double largest = max_norm(p);
+  for (const Vec3dd& corner : face.corner) largest = std::max(largest, max_norm(high(corner) + p));
+  const double off = spread(face, thinness, shortest);
+  return off <= 0x1p-56 * largest && off * thinness <= 0x1p-40 * shortest;
+}
+
+Vec3d rounded_sum(const Vec3dd& a, const Vec3d& p) {
+  const auto sum = [](const DoubleDouble& x, double y) { return (x + DoubleDouble{y}).high; };
+  return {sum(a.x, p.x), sum(a.y, p.y), sum(a.z, p.z)};
+}
+
+std::optional<ClosestPoint> computed_on_edge(const Vec3d& p, const SeenFace& face, std::size_t i) {
+  const Vec3dd& edge = face.edge[i];
+  if (!is_accurate(p, face, 1, std::sqrt(square(edge)))) return std::nullopt;
+  const DoubleDouble t = -(dot(face.corner[i], edge) / dot(edge, edge));
+  const Vec3d position = rounded_sum(face.corner[i] + edge * t, p);
+  return on_edge(i, std::clamp(t.high, 0.0, 1.0), position);
+}
+
+std::optional<ClosestPoint> computed_inside(const Vec3d& p, const SeenFace& face) {
+  const Vec3dd normal = cross(face.edge[2], face.edge[0]);
+  const double shortest =
+      std::sqrt(std::min({square(face.edge[0]), square(face.edge[1]), square(face.edge[2])}));
+  if (!is_accurate(p, face, thinness(face, normal), shortest)) return std::nullopt;
+  const DoubleDouble whole = dot(normal, normal);
+  const Vec3dd foot = normal * (dot(normal, face.corner[0]) / whole);
+  const Vec3dd from_first = foot - face.corner[0];
+  const auto weight = [&](const Vec3dd& edge) {
+    const DoubleDouble share = dot(cross(edge, from_first), normal) / whole;
+    return std::clamp(share.high, 0.0, 1.0);
+  };
+  return inside(weight(face.edge[2]), weight(face.edge[0]), rounded_sum(foot, p));
+}
+
+/// The nearest point, unless its feature is in doubt or it may be off by an ulp.
+std::optional<ClosestPoint> computed_point(const Vec3d& p, const Matrix& matrix,
+                                           const Vertices& vertices) {
+  SeenFace face;
+  if (!see(p, matrix, vertices, face)) return std::nullopt;
+  const Feature feature =
+      nearest_feature(BoundedSigns<double>(face, kSignShare, 0x1p+53 * face.error));
+  if (!feature.certain) return std::nullopt;
+  if (feature.part == Part::kInside) return computed_inside(p, face);
+  if (feature.part == Part::kEdge) return computed_on_edge(p, face, feature.index);
+  const std::optional<Vec3d> corner = rounded_corner(matrix, vertices[feature.index]);
+  if (!corner) return std::nullopt;
+  return on_corner(feature.index, *corner);
+}
+
+}  // namespace
+
+double distance(const Vec3d& p, const std::array<double, 12>& world_from_local, const Vec3f& a,
+                const Vec3f& b, const Vec3f& c) {
+  const Vec3d from = without_smallest(p);
+  const Vertices vertices = {a, b, c};
+  SeenFace face;
+  if (see(from, world_from_local, vertices, face)) {
+    if (const std::optional<double> d = computed_distance(face)) return *d;
+  }
+  return exact_distance(from, world_from_local, vertices);
+}
+
+ClosestPoint closest_point(const Vec3d& p, const std::array<double, 12>& world_from_local,
+                           const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+  const Vec3d from = without_smallest(p);
+  const Vertices vertices = {a, b, c};
+  const std::optional<ClosestPoint> computed = computed_point(from, world_from_local, vertices);
+  return computed ? *computed : exact_closest_point(from, world_from_local, vertices);
+}
+
+}  // namespace sightline::accel::geometry

@@ -1,0 +1,36 @@
+// The distance rule: how far a point is from a face, and where the face is nearest. A pure function
+// of the two: it does not depend on the cell, builder, thread or SIMD target.
+// docs/distance_rule.md has the proof.
+#pragma once
+
+#include <array>
+
+#include "accel/geometry/vec3.h"
+
+namespace sightline::accel::geometry {
+
+/// Returns the distance of p from the face with corners M a, M b, M c, where M is
+/// `world_from_local`: 3 rows of 4, the last column is the translation. All numbers are used as
+/// exact real numbers, and the distance is rounded once, to the nearest double, ties to even.
+///
+/// Coordinates of p are at most kLargestRay, and count as zero below kSmallestRay, as a ray's
+/// origin; vertices and matrix are finite, of any size. A face without area is the segment or the
+/// point that it is. The distance is 0 exactly if p is on the face (or if it rounds to 0), and
+/// infinite if it rounds beyond the largest double.
+double distance(const Vec3d& p, const std::array<double, 12>& world_from_local, const Vec3f& a,
+                const Vec3f& b, const Vec3f& c);
+
+struct ClosestPoint {
+  Vec3d position;
+  double u = 0, v = 0;  ///< Weights of vertices 1 and 2: both >= 0, sum <= 1.
+};
+
+/// Returns the point of the face that is nearest to p, for the same arguments. It is unique.
+///
+/// Each coordinate is off by at most 2 ulp of the largest coordinate of p and of the face; a corner
+/// is rounded once. Weights: a corner has exactly 0 or 1, u is 0 on edge 0-2, v is 0 on edge 0-1,
+/// and v = 1 - u on edge 1-2.
+ClosestPoint closest_point(const Vec3d& p, const std::array<double, 12>& world_from_local,
+                           const Vec3f& a, const Vec3f& b, const Vec3f& c);
+
+}  // namespace sightline::accel::geometry

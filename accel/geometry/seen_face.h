@@ -1,0 +1,25 @@
+// A face as seen from a point, in double-doubles: what the distance rule computes with.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "accel/geometry/double_double.h"
+
+namespace sightline::accel::geometry {
+
+/// Corners minus the point. Edge i goes from corner i to the corner after it.
+struct SeenFace {
+  std::array<Vec3dd, 3> corner, edge;
+  double error = 0;  ///< How far each corner is off at most; edges are those of these corners.
+};
+
+/// Sets `face`; false if numbers are out of the range where the bounds of the rule hold. All
+/// coordinates of corners and edges are then 0 or between 2^-160 and 2^160.
+bool see(const Vec3d& p, const std::array<double, 12>& world_from_local,
+         const std::array<Vec3f, 3>& vertices, SeenFace& face);
+
+/// M v rounded once, unless the last bit of a coordinate is in doubt.
+std::optional<Vec3d> rounded_corner(const std::array<double, 12>& world_from_local, const Vec3f& v);
+
+}  // namespace sightline::accel::geometry
