@@ -20,6 +20,7 @@
 #include "accel/kdtree/last_use.h"
 #include "scenegraph/query/cast_counters.h"
 #include "scenegraph/query/caster.h"
+#include "scenegraph/query/point_order.h"
 #include "scenegraph/query/ray_blocks.h"
 #include "scenegraph/query/sample_rays.h"
 
@@ -49,7 +50,8 @@ Result<TraceStats> trace_blocks(const revision::Snapshot& snapshot, QueryKind ki
   if (!built) return built;
   const instances::OpenTrees trees = snapshot.trees();
   const auto answer_all = [&] {
-    if (options.growth == Growth::kDemand)
+    // Points pay cell by cell.
+    if (options.growth == Growth::kDemand && !options.points)
       *built += query::grow_for_batch(trees, rays, kind, options);
     return query::run_blocks(rays.size, rays_per_block, options,
                              [&](const RayBlock& block) { return answer(trees, block); });
@@ -147,6 +149,30 @@ Status check_sizes(std::size_t rays, std::size_t answers) {
                "COUNT_MISMATCH"};
 }
 
+/// Traces rays packet by packet, as they come.
+Result<TraceStats> trace_in_order(const revision::Snapshot& snapshot, const RayColumns& rays,
+                                  const HitColumns& hits, const TraceOptions& options) {
+  // Packets set only their own bits.
+  if (hits.bits != nullptr) std::fill_n(hits.bits, (hits.size + 7) / 8, std::uint8_t{0});
+  if (options.partial) mark_unanswered(hits);
+  auto traced = cast_rays(snapshot, options.kind, rays, options,
+                          [&](Caster& caster, std::size_t, std::uint32_t) { caster.write(hits); });
+  return with_unanswered(std::move(traced), rays.size, options);
+}
+
+/// Answers points in the order of OrderedPoints.
+Result<TraceStats> trace_points(const revision::Snapshot& snapshot, const RayColumns& points,
+                                const HitColumns& hits, const TraceOptions& options) {
+  return query::or_error([&]() -> Result<TraceStats> {
+    const query::OrderedPoints ordered(points);
+    std::vector<Hit> found(points.size);
+    auto traced = trace_in_order(snapshot, ordered.columns, columns_of(std::span(found)), options);
+    if (!traced) return traced;
+    for (std::size_t i = 0; i < found.size(); ++i) hits.set(ordered.order[i], found[i]);
+    return traced;
+  });
+}
+
 }  // namespace
 
 Result<TraceStats> trace(const revision::Snapshot& snapshot, const RayColumns& rays,
@@ -156,12 +182,8 @@ Result<TraceStats> trace(const revision::Snapshot& snapshot, const RayColumns& r
   if (const Status good = check_sizes(rays.size, hits.size); !good) return good.error();
   if (options.kind != QueryKind::kClosest && options.kind != QueryKind::kAny)
     return Error{Code::kInvalidArgument, "trace() answers closest and any", "UNKNOWN_KIND"};
-  // Packets set only their own bits.
-  if (hits.bits != nullptr) std::fill_n(hits.bits, (hits.size + 7) / 8, std::uint8_t{0});
-  if (options.partial) mark_unanswered(hits);
-  auto traced = cast_rays(snapshot, options.kind, rays, options,
-                          [&](Caster& caster, std::size_t, std::uint32_t) { caster.write(hits); });
-  return with_unanswered(std::move(traced), rays.size, options);
+  if (options.points && rays.size > 1) return trace_points(snapshot, rays, hits, options);
+  return trace_in_order(snapshot, rays, hits, options);
 }
 
 Result<TraceStats> trace(const revision::Snapshot& snapshot, std::span<const Ray> rays,

@@ -33,6 +33,10 @@ struct TraceOptions {
   Growth growth = Growth::kFirstTouch;
   /// Whether barycentrics and normals are computed.
   bool surface = true;
+  /// Whether the rays are points: their origins, to which the nearest faces are wanted. `tmax` is
+  /// the largest distance, and `t` of a hit is the distance in the scene (docs/distance_rule.md);
+  /// directions must be valid, and do not matter. There is no culling.
+  bool points = false;
   /// Which hits are ignored, by the winding in the mesh's own frame, like normals: a mirrored
   /// instance keeps its outside. Culled hits do not exist for any kind.
   accel::geometry::Culling culling = accel::geometry::Culling::kNone;

@@ -9,6 +9,7 @@
 #include "accel/geometry/vertex_sides.h"
 #include "accel/lazy/growing_leaf.h"
 #include "accel/mesh/face_boxes.h"
+#include "accel/mesh/point_tests.h"
 #include "accel/wide/exact.h"
 #include "accel/wide/float_rays.h"
 #include "accel/wide/offer.h"
@@ -149,7 +150,7 @@ void FaceTests::everything(const kdtree::DeferredCell&, std::uint32_t lanes) {
 void query_faces(lazy::LazyTree& tree, const geometry::MeshView& mesh, wide::Packet& packet,
                  std::uint32_t lanes, lazy::CellQuery& cells, kdtree::WalkCounters& walked,
                  kdtree::BuildCounters& built) {
-  if (tree.makes_blocks()) {
+  if (tree.makes_blocks() || packet.points != nullptr) {
     lanes = wide::prepare(packet, tree.frame(), lanes);
   } else {
     packet.live = 0;
@@ -160,8 +161,13 @@ void query_faces(lazy::LazyTree& tree, const geometry::MeshView& mesh, wide::Pac
     return;
   }
   tree.count_rays(static_cast<std::uint64_t>(std::popcount(lanes)));
-  FaceTests faces(mesh, tree.tree().bounds(), packet, cells, walked);
-  lazy::GrowingLeaf(tree, packet, cells, walked, built, faces).walk(lanes);
+  if (packet.points != nullptr) {
+    PointTests faces(mesh, packet, cells, walked);
+    lazy::GrowingLeaf(tree, packet, cells, walked, built, faces).walk(lanes);
+  } else {
+    FaceTests faces(mesh, tree.tree().bounds(), packet, cells, walked);
+    lazy::GrowingLeaf(tree, packet, cells, walked, built, faces).walk(lanes);
+  }
   if (packet.goal == wide::Goal::kNearest && !packet.stopped) wide::resolve(packet, packet.live);
 }
 

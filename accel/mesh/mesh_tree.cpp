@@ -6,6 +6,8 @@
 
 #include "accel/mesh/face_references.h"
 #include "accel/mesh/face_test.h"
+#include "accel/mesh/point_tests.h"
+#include "accel/wide/float_rays.h"
 
 namespace sightline::accel::mesh {
 
@@ -31,6 +33,7 @@ void MeshTree::query(wide::Packet& packet, std::uint32_t lanes, lazy::CellQuery&
                      kdtree::WalkCounters& walked, kdtree::BuildCounters& built) {
   if (auto* tree = std::get_if<lazy::LazyTree>(&tree_))
     return query_faces(*tree, mesh_, packet, lanes, cells, walked, built);
+  if (packet.points != nullptr) return query_whole_for_points(packet, lanes, cells, walked);
   packet.live = 0;
   for (lanes = packet.left(lanes); lanes != 0; lanes = packet.left(lanes & (lanes - 1))) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
@@ -38,6 +41,13 @@ void MeshTree::query(wide::Packet& packet, std::uint32_t lanes, lazy::CellQuery&
     if (test.ray().meets())
       query_whole(*std::get<std::unique_ptr<WholeTree>>(tree_), test, cells, walked, built);
   }
+}
+
+/// Trees that are built whole answer rays alone: points test all faces.
+void MeshTree::query_whole_for_points(wide::Packet& packet, std::uint32_t lanes,
+                                      const lazy::CellQuery& cells, kdtree::WalkCounters& walked) {
+  lanes = wide::prepare(packet, wide::frame_of(bounds_), lanes);
+  PointTests(mesh_, packet, cells, walked).faces(0, mesh_.faces.size(), lanes);
 }
 
 void MeshTree::query_whole(WholeTree& tree, FaceTest& test, const lazy::CellQuery& cells,

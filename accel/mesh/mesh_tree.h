@@ -57,6 +57,8 @@ class MeshTree {
   static Tree make(const geometry::MeshView& mesh, const geometry::MeshView* own,
                    const MeshStats& stats, const TreeBuilder& builder, References references,
                    std::shared_ptr<const void> alive);
+  void query_whole_for_points(wide::Packet& packet, std::uint32_t lanes,
+                              const lazy::CellQuery& cells, kdtree::WalkCounters& walked);
   void query_whole(WholeTree& tree, FaceTest& test, const lazy::CellQuery& cells,
                    kdtree::WalkCounters& walked, kdtree::BuildCounters& built);
 

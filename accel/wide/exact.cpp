@@ -11,7 +11,9 @@
 #include <hwy/cache_control.h>
 
 #include "accel/blocks/block.h"
+#include "accel/geometry/closest.h"
 #include "accel/geometry/intersect.h"
+#include "accel/wide/float_points.h"
 #include "accel/wide/float_rays.h"
 #include "accel/wide/given_rays.h"
 #include "accel/wide/offer.h"
@@ -152,10 +154,27 @@ bool decide_placed(Packet& packet, std::size_t lane, const PlacedTriangle& trian
                 triangle.offered(packet));
 }
 
+/// Offers a face to a point, by its distance.
+bool decide_point(Packet& packet, std::size_t lane, const Block& block, const std::uint32_t* words,
+                  std::uint32_t triangle) {
+  const geometry::Vec3d point = scene_point(packet, lane);
+  if (packet.placed.all != nullptr) {
+    const PlacedTriangle face(packet, block, triangle);
+    const double distance = geometry::distance(point, *face.mesh.scene_from_local, face.corner(0),
+                                               face.corner(1), face.corner(2));
+    return offer(packet, lane, distance, face.offered(packet));
+  }
+  const double distance = geometry::distance(
+      point, *packet.scene_from_local, corner_of(packet, block, 0, triangle),
+      corner_of(packet, block, 1, triangle), corner_of(packet, block, 2, triangle));
+  return offer(packet, lane, distance, offered(words, triangle));
+}
+
 /// Decides one pair by the rule. Returns whether the ray's limits are to be tightened.
 bool decide_exactly(Packet& packet, std::size_t lane, const std::uint32_t* words,
                     std::uint32_t triangle) {
   const Block block(words);
+  if (packet.points != nullptr) return decide_point(packet, lane, block, words, triangle);
   if (packet.placed.all != nullptr) return decide_placed(packet, lane, {packet, block, triangle});
   return decide(packet, lane, ray_of(packet.rays, lane), corner_of(packet, block, 0, triangle),
                 corner_of(packet, block, 1, triangle), corner_of(packet, block, 2, triangle),
@@ -268,7 +287,7 @@ void resolve_best(Packet& packet, std::uint32_t lanes) {
 
 /// Decides these pairs. Returns whether the limits of any ray were tightened.
 bool decide_pairs(Packet& packet, const LanePairs& pairs, std::uint32_t lanes) {
-  if (std::popcount(lanes) < kTogether) {
+  if (std::popcount(lanes) < kTogether || packet.points != nullptr) {
     bool takes = false;
     for (; lanes != 0; lanes &= lanes - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "accel/geometry/intersect.h"
+#include "accel/wide/float_points.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "accel/wide/float_rays.cpp"
@@ -272,10 +273,12 @@ namespace sightline::accel::wide {
 HWY_EXPORT(prepare_packet);
 
 std::uint32_t prepare(Packet& packet, const Frame& frame, std::uint32_t lanes) {
+  if (packet.points != nullptr) return prepare_points(packet, frame, lanes);
   return HWY_DYNAMIC_DISPATCH(prepare_packet)(packet, frame, lanes);
 }
 
 void tighten(Packet& packet, std::size_t lane) {
+  if (packet.points != nullptr) return tighten_point(packet, lane);
   FloatRays& floats = packet.floats;
   const double t =
       packet.best->t[lane] / packet.rays.unit[lane] * packet.scale - floats.shift[lane];

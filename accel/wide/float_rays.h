@@ -1,4 +1,4 @@
-// Prepares a packet of rays for float tests in one tree.
+// Prepares a packet of rays or points for float tests in one tree.
 #pragma once
 
 #include <cstddef>
@@ -18,8 +18,9 @@ inline constexpr float kLeastDirection = 0x1p-60f, kSteepError = 2 * kLeastDirec
 /// A bound on what is lost to underflow.
 inline constexpr float kTiny = 0x1p-110f;
 
-/// Sets packet.floats from its rays, best hits and culling, for rays in `lanes`. Returns
-/// packet.live: the rays that may meet the bounds within their limits. Forgets the candidates.
+/// Sets packet.floats, or packet.near (float_points.h), from its rays, best hits and culling, for
+/// rays in `lanes`. Returns packet.live: the rays that may meet the bounds within their limits.
+/// Forgets the candidates.
 std::uint32_t prepare(Packet& packet, const Frame& frame, std::uint32_t lanes);
 
 /// Lowers the ray's limits to its best hit, after that has changed.

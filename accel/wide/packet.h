@@ -1,4 +1,5 @@
-// Sixteen rays in one frame, in columns: as they are, as floats see them, and the best hits so far.
+// Sixteen rays or points in one frame, in columns: as they are, as floats see them, and the best
+// hits so far.
 #pragma once
 
 #include <array>
@@ -84,6 +85,27 @@ struct FloatRays {
   Column<float> cull;
 };
 
+/// What floats know of points, in a tree's frame. docs/distance_rule.md has the bounds. What lies
+/// farther than `FloatRays::high` there does not matter.
+struct FloatPoints {
+  /// A point is high + low. Where the tree is a mesh's, the point as the mesh sees it.
+  std::array<Column<float>, 3> high, low;
+  Column<float> off;  ///< How far that is off, in the frame.
+  /// A power of two by which differences of the point and vertices are below 1, and its inverse.
+  Column<float> unit, per_unit;
+  Column<float> limit_squared;  ///< FloatRays::high, squared.
+  Column<float> sure;           ///< Faces up to here are certainly near enough.
+  Column<float> slack;          ///< See `spread`.
+  /// A face that is not farther than d in the frame is no farther in the scene than another one at
+  /// d * spread + slack.
+  float spread = 1;
+  /// A bound on the distance, in the scene, between a point and what the mesh sees as it.
+  Column<double> scene_off;
+  double per_scene = 1;  ///< At most this length in the mesh's frame is one in the scene.
+  double per_local = 1;  ///< At most this length in the scene is one in the mesh's frame.
+  bool alike = false;    ///< Whether all points see the same faces, at any distance.
+};
+
 /// A triangle of each ray, relative to the tree's center.
 struct LaneTriangles {
   std::array<Column<float>, 3> a, b, c;
@@ -130,6 +152,12 @@ struct Packet {
   Candidates candidates;
   // The question is equal for all rays.
   Goal goal = Goal::kNearest;
+  /// The points, in the scene, if the packet has points instead of rays: then a hit is a face, its
+  /// t the distance, and `rays` has the points as origins, and limits. Null for rays.
+  const GivenRays* points = nullptr;
+  FloatPoints near;  ///< For points.
+  /// The transforms of the mesh that points are in, and back; null in trees of the scene.
+  const Matrix *scene_from_local = nullptr, *local_from_scene = nullptr;
   geometry::Culling culling = geometry::Culling::kNone;
   std::uint64_t node = 0;
   std::uint32_t instance = 0;

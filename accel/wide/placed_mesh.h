@@ -16,7 +16,7 @@ using Matrix = std::array<double, 12>;
 /// A mesh at its place. What it refers to outlives the tree.
 struct PlacedMesh {
   geometry::MeshView mesh;
-  const Matrix* local_from_scene = nullptr;
+  const Matrix *local_from_scene = nullptr, *scene_from_local = nullptr;
   std::uint64_t node = 0;
   std::uint32_t instance = 0;  ///< The caller's number for the node.
   std::uint32_t first = 0;     ///< The number of its first face among the faces of all meshes.

@@ -15,6 +15,7 @@
 
 #include "accel/blocks/block.h"
 #include "accel/wide/exact.h"
+#include "accel/wide/gather-inl.h"
 #include "accel/wide/verdict-inl.h"
 #include "accel/wide/walk-inl.h"
 #include "accel/wide/walk.h"
@@ -23,36 +24,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace sightline::accel::wide {
 namespace HWY_NAMESPACE {
-
-/// Numbers of a column of vertices, one for each triangle.
-class Gather {
- public:
-  HWY_INLINE explicit Gather(const std::uint8_t* corners) {
-    for (std::size_t i = 0; i < Floats::kVectors; ++i) {
-      const hn::Rebind<std::uint8_t, Floats::D> bytes;
-      // Behind the last triangle are other numbers, for which any vertex will do.
-      index_[i] = hn::And(hn::PromoteTo(kInts, hn::LoadU(bytes, corners + i * Floats::kPer)),
-                          hn::Set(kInts, blocks::kBlockVertices - 1));
-    }
-  }
-
-  HWY_INLINE Floats operator()(const Floats& vertices, const float* stored) const {
-    if constexpr (Floats::kVectors == 1) {
-      (void)stored;
-      return Floats::each([&](std::size_t i) {
-        return hn::TableLookupLanes(vertices.v[i],
-                                    hn::IndicesFromVec(typename Floats::D(), index_[i]));
-      });
-    } else {
-      return Floats::each(
-          [&](std::size_t i) { return hn::GatherIndex(typename Floats::D(), stored, index_[i]); });
-    }
-  }
-
- private:
-  static constexpr hn::RebindToSigned<Floats::D> kInts{};
-  hn::Vec<hn::RebindToSigned<Floats::D>> index_[Floats::kVectors];
-};
 
 template <Goal kGoal>
 class Single {
@@ -108,7 +79,7 @@ class Single {
     alignas(64) std::array<float, kdtree::kWidth> t;
     in.store(t.data());
     entry.t = t[first];
-    push_others(parent, t, met, entry, stack);
+    push_others<kGoal != Goal::kAny>(parent, t, met, entry, stack);
     return true;
   }
 
@@ -166,26 +137,6 @@ class Single {
     }
     verdict.certain &= verdict.possible;
     return verdict.possible != 0;
-  }
-
-  /// Leaves the nearest of these children at `nearest`, and pushes the others.
-  HWY_INLINE void push_others(Child parent, const std::array<float, kdtree::kWidth>& t,
-                              std::uint32_t others, Entry& nearest, Stack<Entry>& stack) {
-    const std::size_t base = stack.size();
-    for (; others != 0; others &= others - 1) {
-      const auto i = static_cast<std::size_t>(std::countr_zero(others));
-      // The two are exchanged without a branch, which would be mispredicted half of the time.
-      const std::uint64_t swap = t[i] < nearest.t ? ~std::uint64_t{0} : 0;
-      const std::uint64_t child = parent.child(i).bits();
-      const std::uint64_t changed = (nearest.at.bits() ^ child) & swap;
-      const Entry farther{std::max(t[i], nearest.t), Child::of(child ^ changed)};
-      nearest = {std::min(t[i], nearest.t), Child::of(nearest.at.bits() ^ changed)};
-      if constexpr (kGoal == Goal::kAny) {
-        stack.push(farther);
-      } else {
-        stack.push_by_distance(farther, base);
-      }
-    }
   }
 
   void take(const std::uint32_t* words, const Verdict& verdict) {

@@ -6,8 +6,11 @@
 #define SIGHTLINE_WIDE_WALK_INL
 #endif
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
+#include <cstdint>
 
 #include "accel/kdtree/wide_node.h"
 #include "accel/wide/child.h"
@@ -43,6 +46,28 @@ class Stack {
   std::size_t size_ = 0;
   std::array<Entry, kMost> entries_;  // not cleared, as one is made for each walk
 };
+
+/// Leaves the nearest of these children at `nearest`, and pushes the others, in order if that is
+/// asked.
+template <bool kInOrder, class Entry>
+HWY_INLINE void push_others(Child parent, const std::array<float, kdtree::kWidth>& t,
+                            std::uint32_t others, Entry& nearest, Stack<Entry>& stack) {
+  const std::size_t base = stack.size();
+  for (; others != 0; others &= others - 1) {
+    const auto i = static_cast<std::size_t>(std::countr_zero(others));
+    // The two are exchanged without a branch, which would be mispredicted half of the time.
+    const std::uint64_t swap = t[i] < nearest.t ? ~std::uint64_t{0} : 0;
+    const std::uint64_t child = parent.child(i).bits();
+    const std::uint64_t changed = (nearest.at.bits() ^ child) & swap;
+    const Entry farther{std::max(t[i], nearest.t), Child::of(child ^ changed)};
+    nearest = {std::min(t[i], nearest.t), Child::of(nearest.at.bits() ^ changed)};
+    if constexpr (kInOrder) {
+      stack.push_by_distance(farther, base);
+    } else {
+      stack.push(farther);
+    }
+  }
+}
 
 /// Takes rays through the tree below an entry, to the nearest children first. `Rays` has
 ///   struct Entry { float t; Child at; ... }

@@ -1,5 +1,5 @@
-// Takes packets of up to sixteen rays whose directions agree through a tree, and single rays
-// elsewhere.
+// Takes packets of up to sixteen rays whose directions agree through a tree, and single rays and
+// points elsewhere.
 #include "accel/wide/walk.h"
 
 #include <array>
@@ -8,6 +8,7 @@
 
 #include "accel/blocks/block.h"
 #include "accel/wide/exact.h"
+#include "accel/wide/float_points.h"
 #include "accel/wide/wide_tree.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -17,6 +18,7 @@
 #include <hwy/highway.h>
 
 #include "accel/wide/group-inl.h"
+#include "accel/wide/point-inl.h"
 #include "accel/wide/single-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -33,8 +35,23 @@ HWY_INLINE std::uint32_t alike(const Packet& packet, std::uint32_t lanes) {
   return lanes & equal(Keys::load(packet.floats.key.data()), Keys::set(key));
 }
 
+/// Each point walks alone, but begins with what is known of the one before.
+template <Goal kGoal>
+void walk_points(const Walked& walked, Child root, std::uint32_t lanes) {
+  std::size_t before = kLanes;
+  for (; lanes != 0 && !walked.packet.stopped; lanes &= lanes - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+    Point<kGoal> point(walked, lane);
+    if (kGoal == Goal::kNearest && walked.packet.near.alike && before != kLanes)
+      point.limit_by(before);
+    point.walk(root);
+    before = lane;
+  }
+}
+
 template <Goal kGoal>
 void walk_lanes(const Walked& walked, Child root, std::uint32_t lanes) {
+  if (walked.packet.points != nullptr) return walk_points<kGoal>(walked, root, lanes);
   while (lanes != 0 && !walked.packet.stopped) {
     std::uint32_t group = alike(walked.packet, lanes);
     lanes &= ~group;
@@ -84,6 +101,7 @@ HWY_EXPORT(walk_packet);
 HWY_EXPORT(meeting_box);
 
 std::uint32_t meeting(const Packet& packet, const geometry::Aabb& box, std::uint32_t lanes) {
+  if (packet.points != nullptr) return near_box(packet, box, lanes);
   return lanes & HWY_DYNAMIC_DISPATCH(meeting_box)(packet, box);
 }
 

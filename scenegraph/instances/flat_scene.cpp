@@ -35,20 +35,18 @@ double largest(const accel::geometry::Vec3d& v) {
 }
 
 /// Sets the transform and its error; false if the instance is to be entered.
-bool set_transform(const Instance& instance, const accel::geometry::Vec3d& center, double size,
-                   FlatPart& part) {
-  const std::optional<model::Affine> world = inverse(instance.local_from_world);
-  if (!world) return false;
-  const double condition = model::condition(*world, instance.local_from_world);
+bool set_transform(const Instance& instance, const model::Affine& world,
+                   const accel::geometry::Vec3d& center, double size, FlatPart& part) {
+  const double condition = model::condition(world, instance.local_from_world);
   if (!(condition <= kMostCondition)) return false;
-  model::Affine centered = *world;
+  model::Affine centered = world;
   for (std::size_t axis = 0; axis < 3; ++axis) centered.m[4 * axis + 3] -= center[axis];
   const accel::geometry::Aabb& box = instance.mesh->bounds();
   double terms = largest(center), scale = 0;
   for (std::size_t row = 0; row < 3; ++row) {
-    double sum = std::fabs(world->m[4 * row + 3]);
+    double sum = std::fabs(world.m[4 * row + 3]);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double entry = std::fabs(world->m[4 * row + axis]);
+      const double entry = std::fabs(world.m[4 * row + axis]);
       scale = std::max(scale, entry);
       sum +=
           entry * static_cast<double>(std::max(std::fabs(box.lo[axis]), std::fabs(box.hi[axis])));
@@ -85,6 +83,8 @@ std::unique_ptr<const FlatScene> FlatScene::make(const Instances& instances,
   const accel::wide::Frame& frame = instances.tree().frame();
   const double size =
       static_cast<double>(accel::wide::largest_coordinate(frame.bounds) / frame.scale);
+  auto made = std::make_unique<FlatScene>();
+  made->transforms_.reserve(instances.size());
   std::vector<FlatPart> parts;
   std::vector<Reference> entered;
   std::uint64_t faces = 0;
@@ -92,12 +92,14 @@ std::unique_ptr<const FlatScene> FlatScene::make(const Instances& instances,
     const Instance& instance = instances[i];
     if (instance.mask == 0) continue;
     const model::Mesh& mesh = *instance.mesh;
+    const model::Affine world = instances.world_from_local(instance);
     FlatPart part;
     if ((uses[&mesh] == 1 || mesh.triangles() <= kSmallMesh) && mesh.is_resident() &&
         mesh.builder().whole == nullptr &&
-        set_transform(instance, instances.center(), size, part)) {
+        set_transform(instance, world, instances.center(), size, part)) {
       part.placed.mesh = mesh.view();
       part.placed.local_from_scene = &instance.local_from_world.m;
+      part.placed.scene_from_local = &made->transforms_.emplace_back(world).m;
       part.placed.node = instance.node;
       part.placed.instance = static_cast<std::uint32_t>(i);
       part.bounds = mesh.bounds();
@@ -114,7 +116,6 @@ std::unique_ptr<const FlatScene> FlatScene::make(const Instances& instances,
   if (builder.memory != nullptr &&
       builder.memory->held() + faces * kBytesPerFace > builder.memory->low_water())
     return nullptr;
-  auto made = std::make_unique<FlatScene>();
   for (const FlatPart& part : parts) made->meshes_.insert(instances[part.placed.instance].mesh);
   made->triangles_ = accel::mesh::FlatTree::make(parts, builder.rule, built, cancelled);
   if (made->triangles_ == nullptr) return nullptr;
@@ -123,7 +124,8 @@ std::unique_ptr<const FlatScene> FlatScene::make(const Instances& instances,
 }
 
 std::uint64_t FlatScene::bytes() const {
-  return triangles_->bytes() + (entered_ == nullptr ? 0 : entered_->tree().bytes()) +
+  return triangles_->bytes() + transforms_.capacity() * sizeof(model::Affine) +
+         (entered_ == nullptr ? 0 : entered_->tree().bytes()) +
          boxes_.capacity() * sizeof(Reference);
 }
 

@@ -10,6 +10,7 @@
 #include "accel/kdtree/reference.h"
 #include "accel/lazy/lazy_tree.h"
 #include "accel/mesh/flat_tree.h"
+#include "scenegraph/model/affine.h"
 
 namespace sightline::scenegraph::model {
 class Mesh;
@@ -43,6 +44,7 @@ class FlatScene {
   void add_entered(std::vector<accel::kdtree::Reference> boxes,
                    accel::kdtree::BuildCounters& built);
 
+  std::vector<model::Affine> transforms_;  // of flat instances, to the scene
   std::unique_ptr<const accel::mesh::FlatTree> triangles_;
   std::unordered_set<const model::Mesh*> meshes_;
   std::vector<accel::kdtree::Reference> boxes_;

@@ -32,6 +32,11 @@ Instances::Instances(const hierarchy::Hierarchy& hierarchy, const MovedNodes* mo
 
 Instances::~Instances() { delete roots_.load(std::memory_order_acquire); }
 
+model::Affine Instances::world_from_local(const Instance& instance) const {
+  const hierarchy::Hierarchy& hierarchy = view_.hierarchy();
+  return hierarchy::world_from_local(hierarchy, *hierarchy.find(instance.node));
+}
+
 std::shared_ptr<const FlatScene> Instances::flat() const {
   const std::lock_guard lock(flat_mutex_);
   return flat_;

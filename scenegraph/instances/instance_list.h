@@ -46,6 +46,9 @@ class Instances {
     return *instances_[index].load(std::memory_order_acquire);
   }
 
+  /// The transform of which Instance::local_from_world is the inverse, composed again.
+  model::Affine world_from_local(const Instance& instance) const;
+
   /// The instances as far as they are flat, which batches of rays share; null where none is.
   std::shared_ptr<const FlatScene> flat() const;
   /// Counts entries of rays into instances that are not flat. Makes these flat once that has cost

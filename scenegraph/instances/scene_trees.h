@@ -118,12 +118,21 @@ class OpenTrees {
   /// The number of instances, removed ones included, which rays never meet.
   std::size_t size() const { return size_; }
   const Instance& operator[](std::size_t index) const {
-    std::size_t tree = trees_.size() - 1;
-    while (index < trees_[tree].first) --tree;
-    return trees_[tree].instances[index - trees_[tree].first];
+    const OpenTree& tree = tree_of(index);
+    return tree.instances[index - tree.first];
+  }
+  /// See Instances::world_from_local().
+  model::Affine world_from_local(std::size_t index) const {
+    return tree_of(index).instances.world_from_local((*this)[index]);
   }
 
  private:
+  const OpenTree& tree_of(std::size_t index) const {
+    std::size_t tree = trees_.size() - 1;
+    while (index < trees_[tree].first) --tree;
+    return trees_[tree];
+  }
+
   std::vector<OpenTree> trees_;
   std::size_t size_ = 0;
 };

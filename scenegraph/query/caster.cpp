@@ -18,6 +18,7 @@ namespace {
 using accel::geometry::Hit;
 using accel::geometry::HitColumns;
 using accel::geometry::HitState;
+using accel::geometry::kInfinity;
 using accel::geometry::RayColumns;
 using accel::wide::Goal;
 using accel::wide::kLanes;
@@ -49,8 +50,10 @@ Caster::Caster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees, 
   for (accel::wide::Packet* packet : {&scene_, &mesh_}) {
     packet->best = &best_;
     packet->goal = goal(kind);
+    packet->points = options.points ? &given_ : nullptr;
   }
-  scene_.culling = mesh_.culling = options.culling;
+  if (!options.points) scene_.culling = mesh_.culling = options.culling;
+  mesh_.scene_from_local = &world_from_local_.m;
   mesh_.sinks = std::span(sinks_).first(collected_.size());
   scene_.sinks = std::span(flat_sinks_).first(collected_.size());
 }
@@ -63,6 +66,9 @@ void Caster::read() {
     packet->stopped = false;
   }
   masks_.read(rays_->mask, packet_);
+  // Columns with one number for all points.
+  scene_.near.alike = mesh_.near.alike =
+      rays_->mask.stride == 0 && rays_->tmax.stride == 0 && rays_->tmax[0] == kInfinity;
   best_.clear();
   valid_ = accel::wide::valid(given_, trees_.static_tree().center(), packet_.lanes);
   frame_ = nullptr;
@@ -189,13 +195,18 @@ void Caster::walk_flat(const instances::OpenTree& tree, std::uint32_t lanes) {
   scene_.placed = {};
 }
 
-void Caster::enter(const instances::Instance& instance, std::uint32_t index, std::uint32_t lanes,
-                   accel::kdtree::BuildCounters& built) {
+void Caster::enter(const instances::Instances& tree, const instances::Instance& instance,
+                   std::uint32_t index, std::uint32_t lanes, accel::kdtree::BuildCounters& built) {
   if (frame_ == nullptr || *frame_ != instance.local_from_world) {
     frame_ = &instance.local_from_world;
     in_frame_ = accel::wide::transform(given_, frame_->m, valid_, mesh_.rays);
   }
-  lanes &= in_frame_;
+  if (options_.points) {
+    world_from_local_ = tree.world_from_local(instance);
+    mesh_.local_from_scene = &frame_->m;
+  } else {
+    lanes &= in_frame_;
+  }
   if (lanes == 0) return;
   ++entries_;
   stats_.instances_entered += static_cast<std::uint64_t>(std::popcount(lanes));
@@ -257,8 +268,10 @@ RayTally Caster::list(std::size_t lane, std::vector<Hit>& hits) {
   const accel::geometry::Ray given = (*rays_)[packet_.first + lane];
   const std::span<const accel::wide::ListedHit> found =
       collected_[lane].list(stats_, tally.cut_off);
-  for (const accel::wide::ListedHit& listed : found)
-    hits.push_back(hit_of(listed, trees_, given, options_.surface));
+  for (const accel::wide::ListedHit& listed : found) {
+    Hit& hit = hits.emplace_back(hit_of(listed));
+    if (options_.surface) set_surface(trees_, listed.instance, options_.points, given, hit);
+  }
   tally.count = static_cast<std::uint32_t>(found.size());
   return tally;
 }
@@ -271,7 +284,8 @@ void Caster::write(const HitColumns& hits) {
   accel::wide::write(outcome, hits, packet_.first);
   // Once the pin was renewed, the blocks of hits may be gone: weights come from the mesh's arrays.
   if (options_.surface && !any)
-    write_surfaces({given_, outcome, packet_.first, !cells_.renewed}, trees_, *rays_, hits);
+    write_surfaces({given_, outcome, packet_.first, !cells_.renewed, options_.points}, trees_,
+                   *rays_, hits);
 }
 
 TraceStats Caster::stats() const {

@@ -78,8 +78,8 @@ class Caster {
                  accel::kdtree::BuildCounters& built);
   void walk_static(const instances::OpenTree& tree, accel::kdtree::BuildCounters& built);
   void walk_flat(const instances::OpenTree& tree, std::uint32_t lanes);
-  void enter(const instances::Instance& instance, std::uint32_t index, std::uint32_t lanes,
-             accel::kdtree::BuildCounters& built);
+  void enter(const instances::Instances& tree, const instances::Instance& instance,
+             std::uint32_t index, std::uint32_t lanes, accel::kdtree::BuildCounters& built);
   /// The rays of `lanes` that have not entered the instance before, for counts and lists.
   std::uint32_t entering(std::uint32_t index, std::uint32_t lanes);
   std::uint32_t answered() const { return packet_.lanes & ~scene_.suspended; }
@@ -110,6 +110,7 @@ class Caster {
   std::uint32_t valid_ = 0;               // rays that are not invalid
   const model::Affine* frame_ = nullptr;  // that of the instance entered last
   std::uint32_t in_frame_ = 0;            // the rays that are in range in that frame
+  model::Affine world_from_local_;        // for points: of the instance entered last
   accel::lazy::CellQuery cells_;
 };
 

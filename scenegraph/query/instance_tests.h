@@ -38,7 +38,7 @@ class Caster::InstanceTests {
     const instances::Instance& instance = tree_[id];
     lanes = caster_.masks_.seeing(instance.mask, lanes);
     if (lanes != 0 && is_seen(open_, id, caster_.options_.selection))
-      caster_.enter(instance, first_ + id, lanes, built_);
+      caster_.enter(tree_, instance, first_ + id, lanes, built_);
   }
 
   /// Whether an instance is entered depends only on the ray and the instance's box, not on the cell
@@ -52,7 +52,7 @@ class Caster::InstanceTests {
       if (entering != 0) entering = meeting(instance.box, entering);
       if (entering == 0 || !is_seen(open_, id, caster_.options_.selection)) continue;
       if (!caster_.collected_.empty()) entering = caster_.entering(first_ + id, entering);
-      caster_.enter(instance, first_ + id, entering, built_);
+      caster_.enter(tree_, instance, first_ + id, entering, built_);
       tighten(first_ + id, entering);
     }
   }

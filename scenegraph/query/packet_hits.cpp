@@ -37,13 +37,12 @@ void write_surfaces(const CastPacket& packet, const instances::OpenTrees& trees,
   std::uint32_t left = best.found & packet.outcome.answered;
   while (left != 0) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(left));
-    const instances::Instance& instance = trees[best.instance[lane]];
-    if (!packet.trees_kept || best.block[lane] == nullptr) {
+    if (packet.points || !packet.trees_kept || best.block[lane] == nullptr) {
       const std::size_t row = packet.first + lane;
       Hit hit;
       hit.t = best.t[lane];
       hit.primitive = best.primitive[lane];
-      set_surface(instance, rays[row], hit);
+      set_surface(trees, best.instance[lane], packet.points, rays[row], hit);
       write_surface(hit, hits, row);
       left &= left - 1;
       continue;
@@ -51,7 +50,8 @@ void write_surfaces(const CastPacket& packet, const instances::OpenTrees& trees,
     std::uint32_t same = in_one_instance(best, left, lane);
     left &= ~same;
     accel::wide::Surfaces surfaces;
-    accel::wide::find_surfaces(packet.given, best, instance.local_from_world.m, same, surfaces);
+    accel::wide::find_surfaces(packet.given, best, trees[best.instance[lane]].local_from_world.m,
+                               same, surfaces);
     for (; same != 0; same &= same - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(same));
       Hit hit;

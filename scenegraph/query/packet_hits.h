@@ -28,6 +28,7 @@ struct CastPacket {
   const accel::wide::Outcome& outcome;
   std::size_t first = 0;    ///< The packet's first ray.
   bool trees_kept = false;  ///< Whether the blocks that hits lie in still exist.
+  bool points = false;      ///< Whether its rays are points.
 };
 
 /// Writes weights and normals, as far as they are asked for; together for all hits in one instance.

@@ -1,0 +1,206 @@
+// Takes one point at a time through a tree: to the nearest of eight boxes first, then to all
+// triangles of a block at once.
+#if defined(SIGHTLINE_WIDE_POINT_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef SIGHTLINE_WIDE_POINT_INL
+#undef SIGHTLINE_WIDE_POINT_INL
+#else
+#define SIGHTLINE_WIDE_POINT_INL
+#endif
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "accel/blocks/block.h"
+#include "accel/wide/distance-inl.h"
+#include "accel/wide/exact.h"
+#include "accel/wide/gather-inl.h"
+#include "accel/wide/walk-inl.h"
+#include "accel/wide/walk.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sightline::accel::wide {
+namespace HWY_NAMESPACE {
+
+/// What walk_tree() takes through a tree. The t of entries is the square of the distance from which
+/// their box is certainly not nearer.
+template <Goal kGoal>
+class Point {
+ public:
+  HWY_INLINE Point(const Walked& walked, std::size_t lane)
+      : walked_(walked), packet_(walked.packet), lane_(lane) {
+    const FloatPoints& near = packet_.near;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      at_[axis] = Boxes::set(near.high[axis][lane]);
+      off_[axis] = Boxes::set(near.off[lane] + std::fabs(near.low[axis][lane]));
+    }
+  }
+
+  struct Entry {
+    float t;
+    Child at;
+  };
+
+  /// Takes over the limit of a point of the same tree which sees the same faces: the nearest one's
+  /// distance differs by no more than the points do.
+  void limit_by(std::size_t other) {
+    double squared = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double way = packet_.rays.origin[axis][lane_] - packet_.rays.origin[axis][other];
+      squared += way * way;
+    }
+    const double way = std::sqrt(squared) * packet_.scale * (1 + 0x1p-40);
+    if (!(way < 0x1p+60)) return;
+    const FloatPoints& near = packet_.near;
+    const float more = geometry::round_up(way) * near.spread + near.slack[lane_] + near.off[lane_];
+    lower((packet_.floats.high[other] + more) * (1 + 0x1p-21f));
+  }
+
+  void walk(Child root) {
+    walk_tree(*this, {0, root});
+    walked_.counters.steps += nodes_;
+    walked_.counters.tests += triangles_;
+    packet_.work[lane_] += static_cast<std::uint32_t>(nodes_ + triangles_);
+  }
+
+  HWY_INLINE bool visit_node(Entry& entry, Stack<Entry>& stack) {
+    ++nodes_;
+    const kdtree::WideNode& node = *entry.at.node();
+    const auto squared_gap = [&](std::size_t axis) {
+      const Boxes lo = Boxes::load(node.bounds[2 * axis].data()),
+                  hi = Boxes::load(node.bounds[2 * axis + 1].data());
+      const Boxes gap = max(max(lo - at_[axis], at_[axis] - hi) - off_[axis], Boxes::set(0));
+      return gap * gap;
+    };
+    const Boxes squared =
+        (squared_gap(0) + squared_gap(1) + squared_gap(2)) * Boxes::set(1 - 0x1p-20f);
+    std::uint32_t met = squared <= Boxes::set(packet_.near.limit_squared[lane_]);
+    if (met == 0) return false;
+    const auto first = static_cast<std::size_t>(std::countr_zero(met));
+    met &= met - 1;
+    const Child parent = entry.at;
+    alignas(64) std::array<float, kdtree::kWidth> t;
+    squared.store(t.data());
+    entry = {t[first], parent.child(first)};
+    if (met != 0) push_others<true>(parent, t, met, entry, stack);
+    return true;
+  }
+
+  HWY_INLINE bool enter(Entry& entry) {
+    entry.at = wide::enter(entry.at, 1u << lane_, walked_.leaf);
+    return static_cast<bool>(entry.at);
+  }
+
+  static constexpr bool part(const Entry&) { return false; }
+  HWY_INLINE bool is_done() const {
+    return packet_.stopped || (kGoal == Goal::kAny && (packet_.best->found >> lane_ & 1) != 0);
+  }
+  HWY_INLINE bool matters(const Entry& entry) const {
+    return entry.t <= packet_.near.limit_squared[lane_];
+  }
+
+  void visit_block(const Entry& entry) {
+    const std::uint32_t* const words = entry.at.block();
+    const blocks::Block block(words);
+    triangles_ += block.triangles;
+    const FloatPoints& near = packet_.near;
+    const Floats unit = Floats::set(near.unit[lane_]), per_unit = Floats::set(near.per_unit[lane_]);
+    std::array<GatheredAxis, 3> axes;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const Floats vertices = Floats::load_unaligned(block.x + axis * block.vertices);
+      const Floats relative =
+          (vertices - Floats::set(near.high[axis][lane_])) - Floats::set(near.low[axis][lane_]);
+      axes[axis].set(vertices * unit, relative * unit);
+    }
+    std::array<Vectors16, 3> vertices, corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Gather of(block.corner(k));
+      vertices[k] = {axes[0].vertices(of), axes[1].vertices(of), axes[2].vertices(of)};
+      corners[k] = {axes[0].corners(of), axes[1].corners(of), axes[2].corners(of)};
+    }
+    Distances found = distances({corners[0], corners[1], corners[2], vertices[1] - vertices[0],
+                                 vertices[2] - vertices[0], vertices[2] - vertices[1]},
+                                mul_add(Floats::set(near.off[lane_]), unit, Floats::set(0x1p-60f)));
+    found.low = found.low * per_unit;
+    found.high = found.high * per_unit;
+    const std::uint32_t all = (2u << (block.triangles - 1)) - 1;
+    // The negation also includes a distance that is NaN, of which floats know nothing.
+    std::uint32_t open = all & ~(found.low > Floats::set(packet_.floats.high[lane_]));
+    for (std::uint32_t left = packet_.placed.visible == nullptr ? 0 : open; left != 0;
+         left &= left - 1) {
+      const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
+      if (seeing(packet_, block.id(i), 1u << lane_) == 0) open &= ~(1u << i);
+    }
+    if (open != 0) take(words, found, open);
+  }
+
+ private:
+  /// The numbers of the vertices of a block on one axis, as they are and relative to the point.
+  class GatheredAxis {
+   public:
+    HWY_INLINE void set(const Floats& vertices, const Floats& relative) {
+      vertices_ = vertices;
+      relative_ = relative;
+      if constexpr (Floats::kVectors > 1) {
+        vertices.store(stored_[0].data());
+        relative.store(stored_[1].data());
+      }
+    }
+    HWY_INLINE Floats vertices(const Gather& of) const { return of(vertices_, stored_[0].data()); }
+    HWY_INLINE Floats corners(const Gather& of) const { return of(relative_, stored_[1].data()); }
+
+   private:
+    Floats vertices_, relative_;
+    alignas(64) std::array<std::array<float, 16>, 2> stored_;
+  };
+
+  /// Takes the faces of `open`, which may be near enough.
+  void take(const std::uint32_t* words, const Distances& found, std::uint32_t open) {
+    if constexpr (kGoal == Goal::kNearest) {
+      const float nearest =
+          Floats::pick(open, found.high, Floats::set(std::numeric_limits<float>::max())).least();
+      const FloatPoints& near = packet_.near;
+      lower(nearest * near.spread * (1 + 0x1p-22f) + near.slack[lane_] * (1 + 0x1p-22f));
+      alignas(64) std::array<float, 16> low;
+      found.low.store(low.data());
+      for (; open != 0; open &= open - 1) {
+        const auto i = static_cast<std::uint32_t>(std::countr_zero(open));
+        if (!(low[i] > packet_.floats.high[lane_])) remember(packet_, lane_, words, i, low[i]);
+      }
+    } else {
+      const std::uint32_t certain = open & (found.high <= Floats::set(packet_.near.sure[lane_]));
+      if constexpr (kGoal == Goal::kAny) {
+        if (certain != 0) packet_.best->found |= 1u << lane_;
+      } else if (packet_.sinks[lane_].primitives != nullptr) {
+        open &= ~certain;
+        for (std::uint32_t left = certain; left != 0; left &= left - 1)
+          add_certain(packet_, lane_, words, static_cast<std::uint32_t>(std::countr_zero(left)));
+      }
+      for (; open != 0 && !is_done(); open &= open - 1)
+        decide(packet_, lane_, words, static_cast<std::uint32_t>(std::countr_zero(open)));
+    }
+  }
+
+  /// Lowers the limit, as there is a face at this distance or before.
+  void lower(float high) {
+    if (!(high < packet_.floats.high[lane_])) return;
+    packet_.floats.high[lane_] = high;
+    packet_.near.limit_squared[lane_] =
+        std::min(high * high * (1 + 0x1p-21f), std::numeric_limits<float>::max());
+  }
+
+  const Walked& walked_;
+  Packet& packet_;
+  const std::size_t lane_;
+  std::array<Boxes, 3> at_, off_;
+  std::uint64_t nodes_ = 0, triangles_ = 0;
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sightline::accel::wide
+HWY_AFTER_NAMESPACE();
+
+#endif  // toggle

@@ -1,0 +1,93 @@
+// Sorts points by the bits of their coordinates, interleaved.
+#include "scenegraph/query/point_order.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <tbb/parallel_sort.h>
+
+namespace sightline::scenegraph::query {
+namespace {
+
+/// Bits of each coordinate.
+constexpr int kBits = 10;
+constexpr double kUnit = 1, kNone = 0;
+
+/// Inserts two zeros before each bit of a number below 2^kBits.
+std::uint64_t spread(std::uint64_t x) {
+  x = (x | x << 16) & 0x030000ff;
+  x = (x | x << 8) & 0x0300f00f;
+  x = (x | x << 4) & 0x030c30c3;
+  return (x | x << 2) & 0x09249249;
+}
+
+/// The box of all finite coordinates.
+struct Extent {
+  std::array<double, 3> lo, hi;
+
+  explicit Extent(const accel::geometry::RayColumns& points) {
+    lo.fill(std::numeric_limits<double>::infinity());
+    hi.fill(-std::numeric_limits<double>::infinity());
+    for (std::size_t i = 0; i < points.size; ++i) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double x = points.origin[axis][i];
+        if (!std::isfinite(x)) continue;
+        lo[axis] = std::min(lo[axis], x);
+        hi[axis] = std::max(hi[axis], x);
+      }
+    }
+  }
+
+  std::uint64_t part_of(double x, std::size_t axis) const {
+    const double share = (x - lo[axis]) / (hi[axis] - lo[axis]);
+    // Also for an extent of 0, and coordinates that are not numbers.
+    if (!(share > 0)) return 0;
+    return static_cast<std::uint64_t>(std::min(share, 1.0) * ((1 << kBits) - 1));
+  }
+};
+
+/// Makes a column of equal numbers one of a single number.
+template <class Column>
+void make_single(Column& column, std::size_t size) {
+  for (std::size_t i = 1; i < size; ++i) {
+    if (!(column[i] == column[0])) return;
+  }
+  column.stride = 0;
+}
+
+}  // namespace
+
+OrderedPoints::OrderedPoints(const accel::geometry::RayColumns& points) : columns(points) {
+  const Extent extent(points);
+  std::vector<std::uint64_t> keys(points.size);
+  for (std::size_t i = 0; i < points.size; ++i) {
+    std::uint64_t code = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      code |= spread(extent.part_of(points.origin[axis][i], axis)) << axis;
+    keys[i] = code << 32 | i;
+  }
+  tbb::parallel_sort(keys.begin(), keys.end());
+  make_single(columns.tmax, points.size);
+  make_single(columns.mask, points.size);
+  order.resize(points.size);
+  positions_.resize(3 * points.size);
+  if (columns.tmax.stride != 0) tmax_.resize(points.size);
+  if (columns.mask.stride != 0) masks_.resize(points.size);
+  for (std::size_t i = 0; i < points.size; ++i) {
+    const auto at = static_cast<std::uint32_t>(keys[i]);
+    order[i] = at;
+    for (std::size_t axis = 0; axis < 3; ++axis) positions_[3 * i + axis] = points.origin[axis][at];
+    if (!tmax_.empty()) tmax_[i] = points.tmax[at];
+    if (!masks_.empty()) masks_[i] = points.mask[at];
+  }
+  columns.origin = accel::geometry::columns_of_rows(positions_.data(), /*float64=*/true);
+  columns.direction = {accel::geometry::for_all(kUnit), accel::geometry::for_all(kNone),
+                       accel::geometry::for_all(kNone)};
+  columns.tmin = accel::geometry::for_all(accel::geometry::kFromOrigin);
+  if (!tmax_.empty()) columns.tmax = {tmax_.data(), 1, true};
+  if (!masks_.empty()) columns.mask = {masks_.data(), 1};
+}
+
+}  // namespace sightline::scenegraph::query
