@@ -44,6 +44,19 @@ GuardedQueries::StreamCastRays(grpc::CallbackServerContext* context) {
   return RayQueryRpc::StreamCastRays(context);
 }
 
+grpc::ServerUnaryReactor* GuardedQueries::QueryPoints(grpc::CallbackServerContext* context,
+                                                      const v1::QueryPointsRequest* request,
+                                                      v1::QueryPointsResponse* reply) {
+  if (const auto refusal = guard_.refuse(context, Role::kRead, request->scene())) return *refusal;
+  return RayQueryRpc::QueryPoints(context, request, reply);
+}
+
+grpc::ServerBidiReactor<v1::StreamQueryPointsRequest, v1::StreamQueryPointsResponse>*
+GuardedQueries::StreamQueryPoints(grpc::CallbackServerContext* context) {
+  if (const auto refusal = guard_.refuse(context, Role::kRead)) return *refusal;
+  return RayQueryRpc::StreamQueryPoints(context);
+}
+
 grpc::ServerWriteReactor<v1::PrefetchResponse>* GuardedQueries::Prefetch(
     grpc::CallbackServerContext* context, const v1::PrefetchRequest* request) {
   if (const auto refusal = guard_.refuse(context, Role::kRead, request->scene())) return *refusal;

@@ -42,6 +42,11 @@ class GuardedQueries final : public queries::RayQueryRpc {
                                      v1::CastRaysResponse* reply) override;
   grpc::ServerBidiReactor<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse>* StreamCastRays(
       grpc::CallbackServerContext* context) override;
+  grpc::ServerUnaryReactor* QueryPoints(grpc::CallbackServerContext* context,
+                                        const v1::QueryPointsRequest* request,
+                                        v1::QueryPointsResponse* reply) override;
+  grpc::ServerBidiReactor<v1::StreamQueryPointsRequest, v1::StreamQueryPointsResponse>*
+  StreamQueryPoints(grpc::CallbackServerContext* context) override;
   grpc::ServerWriteReactor<v1::PrefetchResponse>* Prefetch(
       grpc::CallbackServerContext* context, const v1::PrefetchRequest* request) override;
 

@@ -1,10 +1,11 @@
-// The rays of a batch: columns of the request, or made by a generator.
+// The rays or points of a batch: columns of the request, or made by a generator.
 #include "server/queries/batch_rays.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "server/queries/generator_codec.h"
+#include "server/queries/point_codec.h"
 #include "server/queries/ray_codec.h"
 
 namespace sightline::server::queries {
@@ -17,6 +18,28 @@ Status BatchRays::begin(const v1::Rays& columns) {
   const auto count = count_rays(columns);
   if (!count) return count.error();
   columns_ = &columns;
+  points_ = nullptr;
+  size_ = *count;
+  return {};
+}
+
+Status BatchRays::begin(const v1::QueryPointsRequest& request) {
+  columns_ = nullptr;
+  points_ = nullptr;
+  if (request.has_grid()) {
+    auto grid = decode_grid(request.grid());
+    if (!grid) return grid.error();
+    if (Status good = check_count(proto::rays::count_of(*grid)); !good) return good;
+    tmin_ = 0;
+    tmax_ = grid->max_distance;
+    mask_ = grid->mask;
+    size_ = proto::rays::count_of(*grid);
+    grid_ = *grid;
+    return {};
+  }
+  const auto count = count_points(request.points());
+  if (!count) return count.error();
+  points_ = &request.points();
   size_ = *count;
   return {};
 }
@@ -26,6 +49,8 @@ Status BatchRays::begin(const v1::RayGenerator& generator) {
   if (!decoded) return decoded.error();
   if (Status good = check_count(proto::rays::count_of(*decoded)); !good) return good;
   columns_ = nullptr;
+  points_ = nullptr;
+  grid_.reset();
   generated_.begin(std::move(*decoded));
   tmin_ = generated_.tmin();
   tmax_ = generated_.tmax();
@@ -36,6 +61,12 @@ Status BatchRays::begin(const v1::RayGenerator& generator) {
 
 void BatchRays::decode(std::size_t first, std::span<Ray> rays) const {
   if (columns_ != nullptr) return decode_rays(*columns_, first, rays);
+  if (points_ != nullptr || grid_) {
+    std::vector<double> made;
+    const RayColumns view = this->view(first, rays.size(), made);
+    for (std::size_t i = 0; i < rays.size(); ++i) rays[i] = view[i];
+    return;
+  }
   generated_.make(first, rays.size(), [&](std::size_t i, const Vector& o, const Vector& d) {
     rays[i] = {.origin = {o[0], o[1], o[2]},
                .direction = {d[0], d[1], d[2]},
@@ -45,8 +76,22 @@ void BatchRays::decode(std::size_t first, std::span<Ray> rays) const {
   });
 }
 
+RayColumns BatchRays::view_grid(std::size_t first, std::size_t count,
+                                std::vector<double>& made) const {
+  made.resize(3 * count);
+  proto::rays::make_points(*grid_, first, count, [&](std::size_t i, const Vector& point) {
+    std::copy(point.begin(), point.end(), made.data() + 3 * i);
+  });
+  RayColumns rays = rays_of_points(made.data(), true, count);
+  rays.tmax = accel::geometry::for_all(tmax_);
+  rays.mask = {&mask_, 0};
+  return rays;
+}
+
 RayColumns BatchRays::view(std::size_t first, std::size_t count, std::vector<double>& made) const {
   if (columns_ != nullptr) return view_rays(*columns_, first, count);
+  if (points_ != nullptr) return view_points(*points_, first, count);
+  if (grid_) return view_grid(first, count, made);
   made.resize(6 * count);
   double* const origins = made.data();
   double* const directions = origins + 3 * count;

@@ -1,14 +1,16 @@
-// The rays of a batch: columns of the request, or made by a generator.
+// The rays or points of a batch: columns of the request, or made by a generator.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "accel/geometry/ray.h"
 #include "accel/geometry/ray_columns.h"
 #include "proto/rays/generated_rays.h"
+#include "proto/rays/point_grid.h"
 #include "proto/result.h"
 #include "sightline/v1/query.pb.h"
 
@@ -24,6 +26,9 @@ class BatchRays {
   }
   Status begin(const v1::Rays& columns);
   Status begin(const v1::RayGenerator& generator);
+  /// Points become the origins of rays, max_distance their tmax. Errors: as of count_points() and
+  /// decode_grid().
+  Status begin(const v1::QueryPointsRequest& request);
 
   std::size_t size() const { return size_; }
 
@@ -38,8 +43,14 @@ class BatchRays {
                                    std::vector<double>& made) const;
 
  private:
-  const v1::Rays* columns_ = nullptr;  // null: generated
+  accel::geometry::RayColumns view_grid(std::size_t first, std::size_t count,
+                                        std::vector<double>& made) const;
+
+  // Null: generated.
+  const v1::Rays* columns_ = nullptr;
+  const v1::Points* points_ = nullptr;
   proto::rays::GeneratedRays generated_;
+  std::optional<proto::rays::PointGrid> grid_;  // none: generated_ makes rays
   // The range of all generated rays.
   double tmin_ = 0, tmax_ = 0;
   std::uint32_t mask_ = 0;

@@ -24,9 +24,9 @@ bool lists(const CastQuery& query) { return query.kind == scenegraph::QueryKind:
 
 }  // namespace
 
-Status CastAdmission::admit(const v1::CastRaysRequest& request, const CastQuery& query,
-                            std::size_t rays, bool sharded) {
-  auto quota = services_.quotas.begin_work(caller_, rays, request.ByteSizeLong());
+Status CastAdmission::admit(std::size_t request_bytes, const CastQuery& query, std::size_t rays,
+                            bool sharded) {
+  auto quota = services_.quotas.begin_work(caller_, rays, request_bytes);
   if (!quota) return quota.error();
   if (lists(query) && replies_ == Replies::kOne && rays * query.max_hits > kMaxHitsPerReply) {
     return Error{Code::kInvalidArgument,
@@ -35,7 +35,7 @@ Status CastAdmission::admit(const v1::CastRaysRequest& request, const CastQuery&
                              rays, query.max_hits, rays * query.max_hits, kMaxHitsPerReply),
                  "TOO_MANY_HITS"};
   }
-  const std::size_t bytes = bytes_of(request, query, rays, sharded);
+  const std::size_t bytes = bytes_of(request_bytes, query, rays, sharded);
   if (lists(query)) {
     auto all_hits = services_.all_hits_admission.admit(caller_, rays, bytes);
     if (!all_hits) return all_hits.error();
@@ -52,12 +52,12 @@ Status CastAdmission::admit(const v1::CastRaysRequest& request, const CastQuery&
   return {};
 }
 
-std::size_t CastAdmission::bytes_of(const v1::CastRaysRequest& request, const CastQuery& query,
+std::size_t CastAdmission::bytes_of(std::size_t request_bytes, const CastQuery& query,
                                     std::size_t rays, bool sharded) const {
   const std::size_t decoded = lists(query) ? rays : std::min(rays, kRaysPerSlice);
   const std::size_t listed = lists(query) ? std::min(rays * query.max_hits, kMaxHitsPerReply) : 0;
-  std::size_t bytes = request.ByteSizeLong() + decoded * kSliceBytesPerRay +
-                      rays * kReplyBytesPerRay + derived_bytes(query, lists(query) ? listed : rays);
+  std::size_t bytes = request_bytes + decoded * kSliceBytesPerRay + rays * kReplyBytesPerRay +
+                      derived_bytes(query, lists(query) ? listed : rays);
   if (lists(query))
     bytes += hit_pager_bytes(rays, query.max_hits, services_.compute.threads(), first_list());
   if (sharded) {

@@ -11,7 +11,6 @@
 #include "server/queries/cast_query.h"
 #include "server/queries/hit_pager.h"
 #include "server/scenes/services.h"
-#include "sightline/v1/query.pb.h"
 
 namespace sightline::server::queries {
 
@@ -29,10 +28,10 @@ class CastAdmission {
   CastAdmission(const scenes::Services& services, const exec::Caller& caller, Replies replies)
       : services_(services), caller_(caller), replies_(replies) {}
 
-  /// Books a batch of `rays`. `sharded`: peers answer it. Errors: as Quotas::begin_work and
-  /// Admission::admit; kInvalidArgument if one reply cannot hold all hits.
-  Status admit(const v1::CastRaysRequest& request, const CastQuery& query, std::size_t rays,
-               bool sharded);
+  /// Books a batch of `rays`, whose request has `request_bytes`. `sharded`: peers answer it.
+  /// Errors: as Quotas::begin_work and Admission::admit; kInvalidArgument if one reply cannot hold
+  /// all hits.
+  Status admit(std::size_t request_bytes, const CastQuery& query, std::size_t rays, bool sharded);
   /// Frees what the batch has booked.
   void release();
 
@@ -43,7 +42,7 @@ class CastAdmission {
   bool list_more(const CastQuery& query, std::size_t rays);
 
  private:
-  std::size_t bytes_of(const v1::CastRaysRequest& request, const CastQuery& query, std::size_t rays,
+  std::size_t bytes_of(std::size_t request_bytes, const CastQuery& query, std::size_t rays,
                        bool sharded) const;
 
   const scenes::Services& services_;

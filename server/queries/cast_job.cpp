@@ -27,7 +27,8 @@ std::uint64_t microseconds(std::chrono::steady_clock::duration time) {
 
 }  // namespace
 
-Status CastJob::open(const v1::CastRaysRequest& request) {
+template <class Request>
+Status CastJob::open_query(const Request& request) {
   if (Status good = scenes::check_scene_name(request.scene()); !good) return good;
   auto query = decode_query(request, services_.policy);
   if (!query) return query.error();
@@ -37,8 +38,22 @@ Status CastJob::open(const v1::CastRaysRequest& request) {
   query_ = std::move(*query);
   scene_ = std::move(*scene);
   flow_ = exec::flow_of(caller_, request.scene());
+  return {};
+}
+
+Status CastJob::open(const v1::CastRaysRequest& request) {
+  if (Status opened = open_query(request); !opened) return opened;
   if (is_for_all_shards(query_, services_)) open_sharded(request);
   return {};
+}
+
+Status CastJob::open(const v1::QueryPointsRequest& request) {
+  if (Status opened = open_query(request); !opened) return opened;
+  if (!is_for_all_shards(query_, services_)) return {};
+  return Error{Code::kFailedPrecondition,
+               "this server leaves queries to the servers of its shards, and those of points are "
+               "not merged: name a shard, or ask a server without --shard-peers",
+               "POINTS_ARE_NOT_SHARDED"};
 }
 
 void CastJob::pin(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot) {
@@ -48,12 +63,15 @@ void CastJob::pin(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot
   scene_.reset();
 }
 
-Status CastJob::accept(const v1::CastRaysRequest& request) {
+void CastJob::begin_batch(std::uint32_t budget_ms) {
   arrived_ = Clock::now();
   batch_time_ = {};
-  begin_budget(request.time_budget_ms());
-  if (Status good = batch_.begin(request); !good) return good;
-  if (Status admitted = admission_.admit(request, query_, batch_.size(), is_sharded()); !admitted)
+  begin_budget(budget_ms);
+}
+
+Status CastJob::admit(std::size_t request_bytes) {
+  if (Status admitted = admission_.admit(request_bytes, query_, batch_.size(), is_sharded());
+      !admitted)
     return admitted;
   queued_ = {};
   begun_ = false;
@@ -102,7 +120,7 @@ bool CastJob::is_immediate() const {
 bool CastJob::answer_at_once(v1::CastRaysResponse& reply) {
   if (const Status ready = begin(); !ready) return false;
   resize_columns(query_.fields, batch_.size(), batch_.size(), reply);
-  derived_.begin(*snapshot_, reply);
+  derived_.begin(*snapshot_, query_.points, reply);
   reply.clear_unanswered();
   scenegraph::TraceOptions built_only = options();
   built_only.growth = scenegraph::Growth::kBuiltOnly;
@@ -264,6 +282,7 @@ scenegraph::TraceOptions CastJob::options() const {
   return {.kind = query_.kind,
           .growth = full ? scenegraph::Growth::kFirstTouch : query_.growth,
           .surface = query_.surface,
+          .points = query_.points,
           .culling = query_.culling,
           .selection = selection_ ? &*selection_ : nullptr,
           .max_hits = query_.max_hits,
@@ -284,7 +303,7 @@ Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
   }
   if (answered_ == 0) {
     resize_columns(query_.fields, batch_.size(), batch_.size(), reply);
-    derived_.begin(*snapshot_, reply);
+    derived_.begin(*snapshot_, query_.points, reply);
     reply.clear_unanswered();
   }
   const std::size_t count = std::min(batch_.size() - answered_, kRaysPerSlice);

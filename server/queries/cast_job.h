@@ -56,6 +56,8 @@ class CastJob {
   /// Finds the scene and decodes the query. Errors: kInvalidArgument, kNotFound,
   /// kFailedPrecondition (a shard of another number than this server has peers).
   Status open(const v1::CastRaysRequest& request);
+  /// As for rays; kFailedPrecondition, too, where this server has peers for shards.
+  Status open(const v1::QueryPointsRequest& request);
   const std::shared_ptr<scenes::StoredScene>& scene() const { return scene_; }
   const exec::Caller& caller() const { return caller_; }
 
@@ -64,7 +66,12 @@ class CastJob {
 
   /// Admits the rays of the request, which must not change until the batch's last reply is made.
   /// Errors: as BatchRays::begin and CastAdmission::admit.
-  Status accept(const v1::CastRaysRequest& request);
+  template <class Request>
+  Status accept(const Request& request) {
+    begin_batch(request.time_budget_ms());
+    if (Status good = batch_.begin(request); !good) return good;
+    return admit(request.ByteSizeLong());
+  }
 
   /// Call it after accept(). Makes the next reply on workers for casts of this size, after a full
   /// build on background workers if the query asks for one. Then calls done(Status) there. An
@@ -105,6 +112,10 @@ class CastJob {
   /// How far one reply has come.
   enum class Progress : std::uint8_t { kMore, kDone };
 
+  template <class Request>
+  Status open_query(const Request& request);
+  void begin_batch(std::uint32_t budget_ms);
+  Status admit(std::size_t request_bytes);
   bool is_sharded() const { return sharded_ != nullptr; }
   void open_sharded(const v1::CastRaysRequest& request);
   void push_sharded(v1::CastRaysResponse& reply, const Done& done);

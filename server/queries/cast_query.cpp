@@ -123,7 +123,8 @@ Status check_field(v1::HitField field, const FieldsOfKind& of_kind, v1::QueryKin
   return {};
 }
 
-Status decode_fields(const v1::CastRaysRequest& request, CastQuery& query) {
+template <class Request>
+Status decode_fields(const Request& request, CastQuery& query) {
   const FieldsOfKind& of_kind = fields_of(query.kind);
   std::vector<v1::HitField> asked;
   for (const int number : request.fields()) {
@@ -144,7 +145,8 @@ Status decode_fields(const v1::CastRaysRequest& request, CastQuery& query) {
   return {};
 }
 
-Status decode_max_hits(const v1::CastRaysRequest& request, CastQuery& query) {
+template <class Request>
+Status decode_max_hits(const Request& request, CastQuery& query) {
   if (request.max_hits() == 0) return {};
   if (query.kind != QueryKind::kAll) {
     return exec::invalid_argument(
@@ -160,7 +162,8 @@ Status decode_max_hits(const v1::CastRaysRequest& request, CastQuery& query) {
   return {};
 }
 
-Status decode_nodes(const v1::CastRaysRequest& request, CastQuery& query) {
+template <class Request>
+Status decode_nodes(const Request& request, CastQuery& query) {
   if (request.exclude_size() > kMaxExclusions) {
     return exec::invalid_argument(
         fmt::format("{} nodes are excluded, the limit is {}; exclude a parent of them",
@@ -172,7 +175,8 @@ Status decode_nodes(const v1::CastRaysRequest& request, CastQuery& query) {
   return {};
 }
 
-Status decode_shard(const v1::CastRaysRequest& request, CastQuery& query) {
+template <class Request>
+Status decode_shard(const Request& request, CastQuery& query) {
   query.allow_partial = request.allow_partial();
   if (!request.has_shard()) return {};
   const v1::Shard& shard = request.shard();
@@ -186,20 +190,34 @@ Status decode_shard(const v1::CastRaysRequest& request, CastQuery& query) {
   return {};
 }
 
-}  // namespace
-
-Result<CastQuery> decode_query(const v1::CastRaysRequest& request, Growth policy) {
+/// Everything but culling.
+template <class Request>
+Result<CastQuery> decode_common(const Request& request, Growth policy) {
   const auto kind = decode_kind(request.kind());
   if (!kind) return kind.error();
   const auto growth = decode_growth(request.build(), policy);
   if (!growth) return growth.error();
-  const auto culling = decode_culling(request.culling());
-  if (!culling) return culling.error();
-  CastQuery query{.kind = *kind, .growth = *growth, .culling = *culling};
+  CastQuery query{.kind = *kind, .growth = *growth};
   if (const Status good = decode_fields(request, query); !good) return good.error();
   if (const Status good = decode_max_hits(request, query); !good) return good.error();
   if (const Status good = decode_nodes(request, query); !good) return good.error();
   if (const Status good = decode_shard(request, query); !good) return good.error();
+  return query;
+}
+
+}  // namespace
+
+Result<CastQuery> decode_query(const v1::CastRaysRequest& request, Growth policy) {
+  const auto culling = decode_culling(request.culling());
+  if (!culling) return culling.error();
+  auto query = decode_common(request, policy);
+  if (query) query->culling = *culling;
+  return query;
+}
+
+Result<CastQuery> decode_query(const v1::QueryPointsRequest& request, Growth policy) {
+  auto query = decode_common(request, policy);
+  if (query) query->points = true;
   return query;
 }
 

@@ -1,4 +1,4 @@
-// The query of a cast: everything except its rays.
+// The query of a cast: everything except its rays or points.
 #pragma once
 
 #include <cstddef>
@@ -40,6 +40,7 @@ struct CastQuery {
 
   std::optional<ShardOf> shard{};  ///< Only what is in it exists. Unset: everything.
   bool allow_partial = false;
+  bool points = false;  ///< Whether it asks for the faces nearest to points.
 
   bool selects() const { return root != 0 || !excluded.empty() || shard; }
 };
@@ -49,5 +50,6 @@ struct CastQuery {
 /// limit that the kind does not have; kMaxMaxHits or kMaxExclusions exceeded; a shard whose index
 /// is not below its count).
 Result<CastQuery> decode_query(const v1::CastRaysRequest& request, scenegraph::Growth policy);
+Result<CastQuery> decode_query(const v1::QueryPointsRequest& request, scenegraph::Growth policy);
 
 }  // namespace sightline::server::queries

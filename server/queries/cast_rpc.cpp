@@ -1,4 +1,4 @@
-// RayQueryService: casts of one batch, streams of batches, and prefetches.
+// RayQueryService: batches of rays and of points, streams of batches, and prefetches.
 #include "server/queries/cast_rpc.h"
 
 #include <fmt/format.h>
@@ -30,10 +30,60 @@ void log_if_slow(const char* method, const grpc::ServerContextBase& context, con
                job.slow_description());
 }
 
+/// The messages of casts.
+struct OfRays {
+  using Request = v1::CastRaysRequest;
+  using Reply = v1::CastRaysResponse;
+  using StreamRequest = v1::StreamCastRaysRequest;
+  using StreamReply = v1::StreamCastRaysResponse;
+  static constexpr const char *kCall = "CastRays", *kStream = "StreamCastRays";
+};
+
+/// The messages of queries of points.
+struct OfPoints {
+  using Request = v1::QueryPointsRequest;
+  using Reply = v1::QueryPointsResponse;
+  using StreamRequest = v1::StreamQueryPointsRequest;
+  using StreamReply = v1::StreamQueryPointsResponse;
+  static constexpr const char *kCall = "QueryPoints", *kStream = "StreamQueryPoints";
+};
+
+/// Where a CastJob makes a reply: in a call's own message, or one that becomes it.
+template <class Reply>
+class MadeReply {
+ public:
+  /// The message to make, with the memory of the reply before.
+  v1::CastRaysResponse& begin(v1::QueryPointsResponse& reply) {
+    made_.mutable_columns()->Swap(reply.mutable_columns());
+    return made_;
+  }
+  void end(v1::QueryPointsResponse& reply) {
+    reply.mutable_columns()->Swap(made_.mutable_columns());
+    reply.mutable_names()->Swap(made_.mutable_names());
+    reply.mutable_unanswered()->swap(*made_.mutable_unanswered());
+    *reply.mutable_served() = made_.served();
+    reply.set_first_point(made_.first_ray());
+    reply.set_more(made_.more());
+    reply.clear_stats();
+    if (made_.has_stats()) *reply.mutable_stats() = made_.stats();
+  }
+
+ private:
+  v1::CastRaysResponse made_;
+};
+
+template <>
+class MadeReply<v1::CastRaysResponse> {
+ public:
+  v1::CastRaysResponse& begin(v1::CastRaysResponse& reply) { return reply; }
+  void end(v1::CastRaysResponse&) {}
+};
+
 /// When a read began that asks for a revision or a later one; nothing for other reads.
 using ReadBegin = std::optional<std::chrono::steady_clock::time_point>;
 
-ReadBegin begin_of_read(const v1::CastRaysRequest& request) {
+template <class Request>
+ReadBegin begin_of_read(const Request& request) {
   if (request.consistency().requirement_case() != v1::Consistency::kAtLeast) return std::nullopt;
   return std::chrono::steady_clock::now();
 }
@@ -43,10 +93,11 @@ void count_read(metrics::QueryMetrics& metrics, const ReadBegin& begin) {
 }
 
 /// Lives until its task has called Finish(), also if the client has cancelled the call.
-class CastRaysReactor final : public grpc::ServerUnaryReactor {
+template <class Messages>
+class CastCall final : public grpc::ServerUnaryReactor {
  public:
-  CastRaysReactor(const scenes::Services& services, grpc::CallbackServerContext& context,
-                  const v1::CastRaysRequest& request, v1::CastRaysResponse& reply)
+  CastCall(const scenes::Services& services, grpc::CallbackServerContext& context,
+           const typename Messages::Request& request, typename Messages::Reply& reply)
       : context_(context),
         unread_(services.unread),
         metrics_(services.metrics),
@@ -81,9 +132,10 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
   void cast() {
     if (const Status accepted = exec::to_status([&] { return job_.accept(request_); }); !accepted)
       return end(accepted);
-    job_.enqueue(reply_, [this](const Status& done) {
-      log_if_slow("CastRays", context_, job_, slow_);
+    job_.enqueue(made_.begin(reply_), [this](const Status& done) {
+      log_if_slow(Messages::kCall, context_, job_, slow_);
       job_.close();
+      made_.end(reply_);
       end(done);
     });
   }
@@ -91,7 +143,7 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
   void end(const Status& status) {
     const grpc::Status answer = exec::to_grpc(
         exec::hold_reply(unread_, context_, job_.caller(), request_, reply_, status, held_));
-    exec::log_rpc("CastRays", context_, answer, begun_, [this] { return job_.description(); });
+    exec::log_rpc(Messages::kCall, context_, answer, begun_, [this] { return job_.description(); });
     Finish(answer);  // may delete this reactor
   }
 
@@ -102,8 +154,9 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
   const std::chrono::milliseconds slow_;
   CastJob job_;
   const std::shared_ptr<scenes::RevisionWait> wait_;
-  const v1::CastRaysRequest& request_;
-  v1::CastRaysResponse& reply_;
+  const typename Messages::Request& request_;
+  typename Messages::Reply& reply_;
+  MadeReply<typename Messages::Reply> made_;
   std::unique_ptr<exec::UnreadReplies::Held> held_;
 };
 
@@ -113,8 +166,9 @@ enum class Wait : std::uint8_t { kNone, kForRequest, kForWrite };
 /// Reads a batch, traces it, writes its replies, and only then reads again. At most one operation
 /// is under way, so the call needs two messages, and a client that does not read its replies is not
 /// served.
-class CastStream final
-    : public grpc::ServerBidiReactor<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse> {
+template <class Messages>
+class CastStream final : public grpc::ServerBidiReactor<typename Messages::StreamRequest,
+                                                        typename Messages::StreamReply> {
  public:
   CastStream(const scenes::Services& services, grpc::CallbackServerContext& context)
       : compute_(services.compute),
@@ -141,7 +195,7 @@ class CastStream final
     if (!stop_waiting()) return;  // end_idle() or let_go() was first
     if (!ok) return end(exec::end_of_reads(request_));
     if (batches_++ > 0) return cast();
-    const v1::CastRaysRequest& first = request_.request();
+    const typename Messages::Request& first = request_.request();
     const Status opened = exec::to_status([&] {
       const Status allowed = exec::check_role(context_, exec::Role::kRead, first.scene());
       return allowed ? job_.open(first) : allowed;
@@ -194,7 +248,7 @@ class CastStream final
     rest_.begin(exec::kIdleStream);
     exec::before_read(request_);
     waits_ = Wait::kForRequest;
-    StartRead(&request_);
+    this->StartRead(&request_);
   }
 
   /// Whether the call was waiting for its peer. Who stops the wait for a request may end the call.
@@ -240,25 +294,26 @@ class CastStream final
   }
 
   void answer() {
-    job_.enqueue(*reply_.mutable_response(), [this](const Status& done) {
-      log_if_slow("StreamCastRays", context_, job_, slow_);
+    job_.enqueue(made_.begin(*reply_.mutable_response()), [this](const Status& done) {
+      log_if_slow(Messages::kStream, context_, job_, slow_);
+      made_.end(*reply_.mutable_response());
       const Status held =
           exec::hold_reply(unread_, context_, job_.caller(), request_, reply_, done, held_);
       if (!held) return end(held);
       reply_.set_chunk(request_.chunk());
-      if (reply_.response().more()) return StartWrite(&reply_);
+      if (reply_.response().more()) return this->StartWrite(&reply_);
       const std::lock_guard lock(mutex_);
       rest_.begin(exec::kReplyTimeout);
       waits_ = Wait::kForWrite;
-      StartWrite(&reply_);
+      this->StartWrite(&reply_);
     });
   }
 
   void end(const Status& status) {
     const grpc::Status answer = exec::to_grpc(status);
-    exec::log_rpc("StreamCastRays", context_, answer, begun_,
+    exec::log_rpc(Messages::kStream, context_, answer, begun_,
                   [this] { return fmt::format("batches={} {}", batches_, job_.description()); });
-    Finish(answer);
+    this->Finish(answer);
   }
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();
@@ -277,8 +332,9 @@ class CastStream final
   CastJob job_;
   const std::shared_ptr<scenes::RevisionWait> wait_;
   std::uint64_t batches_ = 0;
-  v1::StreamCastRaysRequest request_;
-  v1::StreamCastRaysResponse reply_;
+  typename Messages::StreamRequest request_;
+  typename Messages::StreamReply reply_;
+  MadeReply<typename Messages::Reply> made_;
   std::unique_ptr<exec::UnreadReplies::Held> held_;  // while reply_ is written
 };
 
@@ -286,19 +342,35 @@ class CastStream final
 
 RayQueryRpc::RayQueryRpc(const scenes::Services& services) : services_(services) {
   SetMessageAllocatorFor_CastRays(&messages_);
+  SetMessageAllocatorFor_QueryPoints(&point_messages_);
 }
 
 grpc::ServerUnaryReactor* RayQueryRpc::CastRays(grpc::CallbackServerContext* context,
                                                 const v1::CastRaysRequest* request,
                                                 v1::CastRaysResponse* reply) {
-  auto* reactor = new CastRaysReactor(services_, *context, *request, *reply);
+  auto* reactor = new CastCall<OfRays>(services_, *context, *request, *reply);
   reactor->start();
   return reactor;
 }
 
 grpc::ServerBidiReactor<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse>*
 RayQueryRpc::StreamCastRays(grpc::CallbackServerContext* context) {
-  auto* stream = new CastStream(services_, *context);
+  auto* stream = new CastStream<OfRays>(services_, *context);
+  stream->start();
+  return stream;
+}
+
+grpc::ServerUnaryReactor* RayQueryRpc::QueryPoints(grpc::CallbackServerContext* context,
+                                                   const v1::QueryPointsRequest* request,
+                                                   v1::QueryPointsResponse* reply) {
+  auto* reactor = new CastCall<OfPoints>(services_, *context, *request, *reply);
+  reactor->start();
+  return reactor;
+}
+
+grpc::ServerBidiReactor<v1::StreamQueryPointsRequest, v1::StreamQueryPointsResponse>*
+RayQueryRpc::StreamQueryPoints(grpc::CallbackServerContext* context) {
+  auto* stream = new CastStream<OfPoints>(services_, *context);
   stream->start();
   return stream;
 }

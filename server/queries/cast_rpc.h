@@ -1,4 +1,4 @@
-// RayQueryService: casts of one batch, streams of batches, and prefetches.
+// RayQueryService: batches of rays and of points, streams of batches, and prefetches.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,8 @@
 
 namespace sightline::server::queries {
 
-/// Open StreamCastRays calls on the whole server. Each keeps the memory of one batch.
+/// Open StreamCastRays and StreamQueryPoints calls on the whole server. Each keeps the memory of
+/// one batch.
 inline constexpr std::size_t kMaxCastStreams = 256;
 
 class RayQueryRpc : public v1::RayQueryService::CallbackService {
@@ -22,12 +23,18 @@ class RayQueryRpc : public v1::RayQueryService::CallbackService {
                                      v1::CastRaysResponse* reply) override;
   grpc::ServerBidiReactor<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse>* StreamCastRays(
       grpc::CallbackServerContext* context) override;
+  grpc::ServerUnaryReactor* QueryPoints(grpc::CallbackServerContext* context,
+                                        const v1::QueryPointsRequest* request,
+                                        v1::QueryPointsResponse* reply) override;
+  grpc::ServerBidiReactor<v1::StreamQueryPointsRequest, v1::StreamQueryPointsResponse>*
+  StreamQueryPoints(grpc::CallbackServerContext* context) override;
   grpc::ServerWriteReactor<v1::PrefetchResponse>* Prefetch(
       grpc::CallbackServerContext* context, const v1::PrefetchRequest* request) override;
 
  private:
   const scenes::Services services_;
   exec::MessagePool<v1::CastRaysRequest, v1::CastRaysResponse> messages_;
+  exec::MessagePool<v1::QueryPointsRequest, v1::QueryPointsResponse> point_messages_;
 };
 
 }  // namespace sightline::server::queries

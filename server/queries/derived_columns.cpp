@@ -8,6 +8,8 @@
 #include <cstring>
 #include <limits>
 
+#include "scenegraph/query/surface.h"
+
 namespace sightline::server::queries {
 namespace {
 
@@ -48,9 +50,10 @@ std::size_t derived_bytes(const CastQuery& query, std::size_t rows) {
   return bytes;
 }
 
-void DerivedColumns::begin(const scenegraph::revision::Snapshot& snapshot,
+void DerivedColumns::begin(const scenegraph::revision::Snapshot& snapshot, bool points,
                            v1::CastRaysResponse& reply) {
   snapshot_ = &snapshot;
+  points_ = points;
   reply_ = &reply;
   positions_ = names_ = nullptr;
   for (v1::HitColumn& column : *reply.mutable_columns()) {
@@ -72,15 +75,28 @@ void DerivedColumns::add_sources(HitColumns& hits) {
     t_.resize(hits.size);
     hits.t = {t_.data()};
   }
-  if (names_ != nullptr && !hits.node.is_asked()) {
+  const bool faces = positions_ != nullptr && points_;
+  if ((names_ != nullptr || faces) && !hits.node.is_asked()) {
     nodes_.resize(hits.size);
     hits.node = {nodes_.data()};
+  }
+  if (faces && !hits.primitive.is_asked()) {
+    primitives_.resize(hits.size);
+    hits.primitive = {primitives_.data()};
   }
 }
 
 Status DerivedColumns::write(const RayColumns& rays, const HitColumns& hits, std::size_t first) {
   if (positions_ != nullptr) {
-    for (std::size_t i = 0; i < rays.size; ++i) set_position(first + i, rays[i], value(hits.t, i));
+    Hit hit;
+    for (std::size_t i = 0; i < rays.size; ++i) {
+      hit.t = value(hits.t, i);
+      if (points_) {
+        hit.node = value(hits.node, i);
+        hit.primitive = value(hits.primitive, i);
+      }
+      set_position(first + i, rays[i], hit);
+    }
   }
   if (names_ == nullptr) return {};
   for (std::size_t i = 0; i < rays.size; ++i) {
@@ -95,7 +111,7 @@ Status DerivedColumns::write_lists(std::span<const Ray> rays, std::span<const Ra
     std::size_t row = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
       for (std::uint32_t k = 0; k < tallies[i].count; ++k, ++row)
-        set_position(row, rays[i], hits[row].t);
+        set_position(row, rays[i], hits[row]);
     }
   }
   if (names_ == nullptr) return {};
@@ -110,10 +126,15 @@ void DerivedColumns::end() {
   row_of_name_ = {};
 }
 
-void DerivedColumns::set_position(std::size_t row, const Ray& ray, double t) {
+void DerivedColumns::set_position(std::size_t row, const Ray& ray, const Hit& hit) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  set(*positions_, row,
-      std::isfinite(t) ? ray.origin + ray.direction * t : Vec3d{kNone, kNone, kNone});
+  Vec3d position{kNone, kNone, kNone};
+  if (std::isfinite(hit.t) && points_) {
+    position = scenegraph::query::nearest_point(*snapshot_, hit.node, hit.primitive, ray.origin);
+  } else if (std::isfinite(hit.t)) {
+    position = ray.origin + ray.direction * hit.t;
+  }
+  set(*positions_, row, position);
 }
 
 Status DerivedColumns::set_name(std::size_t row, NodeId node) {

@@ -30,7 +30,9 @@ std::size_t derived_bytes(const CastQuery& query, std::size_t rows);
 class DerivedColumns {
  public:
   /// Begins a reply, whose columns have their final size. It and the revision outlive its rows.
-  void begin(const scenegraph::revision::Snapshot& snapshot, v1::CastRaysResponse& reply);
+  /// `points`: whether the rays are points.
+  void begin(const scenegraph::revision::Snapshot& snapshot, bool points,
+             v1::CastRaysResponse& reply);
 
   /// Gives `hits` the fields that the columns follow from and that are not asked for, until the
   /// next call.
@@ -51,18 +53,21 @@ class DerivedColumns {
   void end();
 
  private:
-  void set_position(std::size_t row, const accel::geometry::Ray& ray, double t);
+  void set_position(std::size_t row, const accel::geometry::Ray& ray,
+                    const accel::geometry::Hit& hit);
   Status set_name(std::size_t row, scenegraph::model::NodeId node);
   Result<std::uint32_t> find_or_add_name(scenegraph::model::NodeId node);
 
   const scenegraph::revision::Snapshot* snapshot_ = nullptr;
   v1::CastRaysResponse* reply_ = nullptr;
+  bool points_ = false;
   // Columns of the reply; null: not asked for.
   std::string* positions_ = nullptr;
   std::string* names_ = nullptr;
   // Sources that are not asked for.
   std::vector<double> t_;
   std::vector<scenegraph::model::NodeId> nodes_;
+  std::vector<std::uint32_t> primitives_;
   // Rows of the reply's names. The keys are names in the revision.
   std::unordered_map<scenegraph::model::NodeId, std::uint32_t> row_of_node_;
   std::unordered_map<std::string_view, std::uint32_t> row_of_name_;

@@ -16,7 +16,7 @@ v1::CastRaysRequest request_of(v1::QueryKind kind) {
 }
 
 TEST(DecodeQuery, HasDefaults) {
-  const auto query = decode_query({}, scenegraph::Growth::kFull);
+  const auto query = decode_query(v1::CastRaysRequest{}, scenegraph::Growth::kFull);
   ASSERT_TRUE(query);
   EXPECT_EQ(query->kind, scenegraph::QueryKind::kClosest);
   EXPECT_EQ(query->growth, scenegraph::Growth::kFull);
@@ -146,7 +146,7 @@ TEST(DecodeQuery, DecodesCullingAndNodes) {
   EXPECT_EQ(query->root, 5u);
   EXPECT_EQ(query->excluded, std::vector<scenegraph::model::NodeId>{7});
   EXPECT_TRUE(query->selects());
-  EXPECT_FALSE(decode_query({}, {})->selects());
+  EXPECT_FALSE(decode_query(v1::CastRaysRequest{}, {})->selects());
 }
 
 TEST(DecodeQuery, NamesTheLimitThatIsExceeded) {
