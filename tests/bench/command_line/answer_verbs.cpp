@@ -20,6 +20,18 @@ Verb add_verb_exactness(CLI::App& app) {
   return [options](const CommonOptions& common) { return run_exactness(common, *options); };
 }
 
+Verb add_verb_nearest(CLI::App& app) {
+  auto options = std::make_shared<NearestOptions>();
+  CLI::App& verb =
+      *app.add_subcommand("nearest", "The faces nearest to points, beside Embree's point queries");
+  verb.add_option("--points", options->kinds, "near|volume|far|touch; several by commas")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"near", "volume", "far", "touch"}));
+  verb.add_option("--count", options->count, "How many points of each kind")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000'000}));
+  return [options](const CommonOptions& common) { return run_nearest(common, *options); };
+}
+
 Verb add_verb_robust(CLI::App& app) {
   auto options = std::make_shared<RobustOptions>();
   CLI::App& verb = *app.add_subcommand(
@@ -81,11 +93,9 @@ Verb add_verb_chart(CLI::App& app) {
 }  // namespace
 
 Verbs add_answer_verbs(CLI::App& app) {
-  return {{"exactness", add_verb_exactness(app)},
-          {"robust", add_verb_robust(app)},
-          {"answers", add_verb_answers(app)},
-          {"chart", add_verb_chart(app)},
-          {"stability", add_verb_stability(app)}};
+  return {{"exactness", add_verb_exactness(app)}, {"nearest", add_verb_nearest(app)},
+          {"robust", add_verb_robust(app)},       {"answers", add_verb_answers(app)},
+          {"chart", add_verb_chart(app)},         {"stability", add_verb_stability(app)}};
 }
 
 }  // namespace sightline::bench

@@ -46,6 +46,10 @@ class LazyPeer final : public EmbreePeer {
   void count(std::span<const accel::geometry::Ray>, std::span<std::uint32_t> counts) override {
     std::fill(counts.begin(), counts.end(), 0u);
   }
+  double nearest(std::span<const accel::geometry::Vec3d>,
+                 std::span<accel::geometry::Hit>) override {
+    return 0;
+  }
 
  private:
   void attach_all();

@@ -8,6 +8,7 @@
 #include "tests/bench/embree/crossings.h"
 #include "tests/bench/embree/device.h"
 #include "tests/bench/embree/layout.h"
+#include "tests/bench/embree/points.h"
 #include "tests/bench/embree/rays.h"
 #include "tests/bench/verbs/stopwatch.h"
 
@@ -35,6 +36,10 @@ class Peer final : public EmbreePeer {
   }
   void count(std::span<const accel::geometry::Ray> rays, std::span<std::uint32_t> counts) override {
     count_embree_crossings(scene_.get(), rays, frame_, counts);
+  }
+  double nearest(std::span<const accel::geometry::Vec3d> points,
+                 std::span<accel::geometry::Hit> hits) override {
+    return find_nearest_by_embree(scene_.get(), meshes_, frame_, points, hits);
   }
 
  private:

@@ -71,7 +71,7 @@ class EmbreePeer {
   /// Embree's own laziness, as in its manual: one user geometry for every node with a mesh. A build
   /// computes only its bounds; the first ray that reaches it builds a scene over the mesh (other
   /// threads join), in which rays are traced. choose_entry tries LOW and MEDIUM, within objects and
-  /// above them, and keeps the fastest for the rays. Single rays only. No count().
+  /// above them, and keeps the fastest for the rays. Single rays only. No count() and nearest().
   static Result<std::unique_ptr<EmbreePeer>> make_lazy(const SceneSource& scene, int threads);
   virtual ~EmbreePeer() = default;
 
@@ -96,6 +96,12 @@ class EmbreePeer {
   /// Requires the setting `crossings`. Call after build().
   virtual void count(std::span<const accel::geometry::Ray> rays,
                      std::span<std::uint32_t> counts) = 0;
+
+  /// Finds the face nearest to each point: sets t (the distance), node and primitive. Returns the
+  /// seconds inside Embree. Requires a scene without meshes that several nodes have. Call after
+  /// build().
+  virtual double nearest(std::span<const accel::geometry::Vec3d> points,
+                         std::span<accel::geometry::Hit> hits) = 0;
 };
 
 }  // namespace sightline::bench

@@ -95,6 +95,11 @@ struct ExactnessOptions {
   std::string builder{};
 };
 
+struct NearestOptions {
+  std::vector<std::string> kinds{"near", "volume", "far"};
+  std::size_t count = 100'000;  ///< The number of points of each kind.
+};
+
 struct RobustOptions {
   std::string family{};                 ///< Families whose name begins with this; empty: all.
   int level = 7;                        ///< The level of the icospheres.

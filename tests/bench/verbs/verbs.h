@@ -104,6 +104,11 @@ inline constexpr int kMostAnswerThreads = 8;
 /// processes. Every answer is compared first.
 Result<std::vector<Row>> run_remote(const CommonOptions& common, const RemoteOptions& options);
 
+/// The faces nearest to points over full trees, and by Embree's point queries (MEDIUM, ROBUST, a
+/// callback in floats) over the same, a row for each kind of points; sums of the least times of
+/// chunks, on each of which the two take turns. A part of the answers is checked by brute force.
+Result<std::vector<Row>> run_nearest(const CommonOptions& common, const NearestOptions& options);
+
 /// Trace times of the exact hit rule and of a plain float test in the same walk over the same full
 /// trees, one row for each kind of ray. Times are sums of the least times of short chunks, on each
 /// of which the methods take turns.

@@ -1,0 +1,196 @@
+// nearest: the faces nearest to points, beside Embree's point queries.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "tests/bench/verbs/contenders.h"
+#include "tests/bench/verbs/verbs.h"
+#include "tests/bench/verbs/workload.h"
+#include "tests/support/brute_nearest.h"
+#include "tests/support/random.h"
+
+namespace sightline::bench {
+namespace {
+
+using accel::geometry::Hit;
+using accel::geometry::Ray;
+using accel::geometry::Vec3d;
+using accel::geometry::Vec3f;
+using tests::Random;
+
+/// Points are timed in chunks, on each of which both take turns.
+constexpr std::size_t kChunk = 8'000;
+/// Answers that the oracle checks.
+constexpr std::size_t kChecked = 500;
+
+struct World {
+  std::vector<tests::PlacedMesh> meshes;
+  Vec3d lo{HUGE_VAL, HUGE_VAL, HUGE_VAL}, hi{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+
+  explicit World(const scenegraph::revision::Snapshot& snapshot)
+      : meshes(tests::placed_meshes(snapshot)) {
+    for (const tests::PlacedMesh& placed : meshes) {
+      for (const Vec3f& v : placed.mesh.vertices) {
+        const Vec3d p = placed.world_from_local.point(Vec3d(v));
+        if (!is_finite(p)) continue;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          lo[axis] = std::min(lo[axis], p[axis]);
+          hi[axis] = std::max(hi[axis], p[axis]);
+        }
+      }
+    }
+  }
+  double diagonal() const { return length(hi - lo); }
+
+  Vec3d on_surface(Random& random) const {
+    for (;;) {
+      const tests::PlacedMesh& placed = meshes[random.below(meshes.size())];
+      if (placed.mesh.faces.empty()) continue;
+      const accel::geometry::Face& face = placed.mesh.faces[random.below(placed.mesh.faces.size())];
+      if (face[0] == accel::geometry::kNoVertex) continue;
+      double u = random.uniform(), v = random.uniform();
+      if (u + v > 1) {
+        u = 1 - u;
+        v = 1 - v;
+      }
+      const auto corner = [&](std::size_t k) {
+        return placed.world_from_local.point(Vec3d(placed.mesh.vertices[face[k]]));
+      };
+      const Vec3d p = corner(0) + (corner(1) - corner(0)) * u + (corner(2) - corner(0)) * v;
+      if (is_finite(p)) return p;
+    }
+  }
+};
+
+/// The sum of twelve uniform numbers is about normal.
+double gaussian(Random& random) {
+  double sum = -6;
+  for (int i = 0; i < 12; ++i) sum += random.uniform();
+  return sum;
+}
+
+/// All are floats: near is a surface point moved by a hundredth of the diagonal, far lies ten of
+/// them away.
+Vec3d make_point(const World& world, const std::string& kind, Random& random) {
+  const Vec3d middle = (world.lo + world.hi) * 0.5;
+  Vec3d p;
+  if (kind == "near" || kind == "touch") {
+    p = world.on_surface(random);
+    const double by = kind == "near" ? 0.01 * world.diagonal() : 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) p[axis] += by * gaussian(random);
+  } else if (kind == "volume") {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      p[axis] = middle[axis] + 1.2 * (world.hi[axis] - world.lo[axis]) * (random.uniform() - 0.5);
+  } else {
+    p = middle + random.direction() * (10 * world.diagonal());
+  }
+  return Vec3d(Vec3f(p));
+}
+
+Status check(const tests::BruteNearest& oracle, std::span<const Vec3d> points,
+             std::span<const Hit> hits) {
+  const auto expected = oracle.closest(points, std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const bool right = expected[i] && hits[i].t == expected[i]->distance &&
+                       hits[i].node == expected[i]->node &&
+                       hits[i].primitive == expected[i]->primitive;
+    if (!right)
+      return Error{Code::kDataLoss, "point " + std::to_string(i) + " has another nearest face",
+                   "WRONG_ANSWER"};
+  }
+  return {};
+}
+
+struct Times {
+  double ours = 0, embree = 0;
+  scenegraph::TraceStats stats;  // of one pass over all points
+};
+
+double per_point(std::uint64_t number, std::size_t points) {
+  return static_cast<double>(number) / static_cast<double>(points);
+}
+
+/// Seconds for all points, the least of each chunk.
+Times measure(const scenegraph::revision::Snapshot& snapshot, EmbreePeer* embree,
+              std::span<const Vec3d> points, int repeat, std::span<Hit> ours,
+              std::span<Hit> theirs) {
+  std::vector<Ray> rays;
+  for (const Vec3d& p : points) rays.push_back({.origin = p, .direction = {1, 0, 0}});
+  scenegraph::TraceOptions options;
+  options.points = true;
+  options.surface = false;
+  Times sum;
+  for (std::size_t first = 0; first < points.size(); first += kChunk) {
+    const std::size_t count = std::min(kChunk, points.size() - first);
+    Times least{HUGE_VAL, HUGE_VAL, {}};
+    for (int i = 0; i <= repeat; ++i) {
+      const Stopwatch clock;
+      const auto traced = scenegraph::trace(snapshot, std::span(rays).subspan(first, count),
+                                            ours.subspan(first, count), options);
+      least.ours = std::min(least.ours, clock.seconds());
+      if (traced && i == 0) sum.stats += *traced;
+      if (embree == nullptr) continue;
+      least.embree = std::min(least.embree, embree->nearest(points.subspan(first, count),
+                                                            theirs.subspan(first, count)));
+    }
+    sum.ours += least.ours;
+    sum.embree += least.embree;
+  }
+  return sum;
+}
+
+}  // namespace
+
+Result<std::vector<Row>> run_nearest(const CommonOptions& common, const NearestOptions& options) {
+  const auto scene = make_scene(common);
+  if (!scene.ok()) return scene.error();
+  const auto builder = configured_builder("", common);
+  if (!builder.ok()) return builder.error();
+  const auto snapshot = assemble(*scene, *builder);
+  if (!snapshot.ok()) return snapshot.error();
+  if (const auto built = scenegraph::build_all(**snapshot); !built.ok()) return built.error();
+  std::unique_ptr<EmbreePeer> embree;
+  if (embree_found()) {
+    auto peer = EmbreePeer::make(*scene, {.robust = true}, common.threads);
+    if (!peer.ok()) return peer.error();
+    embree = *std::move(peer);
+    if (const auto built = embree->build(); !built.ok()) return built.error();
+  }
+  const World world(**snapshot);
+  const tests::BruteNearest oracle(world.meshes);
+  std::vector<Row> rows;
+  for (const std::string& kind : options.kinds) {
+    Random random(common.seed);
+    std::vector<Vec3d> points;
+    for (std::size_t i = 0; i < options.count; ++i)
+      points.push_back(make_point(world, kind, random));
+    std::vector<Hit> ours(points.size()), theirs(points.size());
+    const Times times = measure(**snapshot, embree.get(), points, common.repeat, ours, theirs);
+    const std::size_t checked = std::min(kChecked, points.size());
+    if (const Status right = check(oracle, std::span(points).first(checked), ours); !right)
+      return right.error();
+    Row row;
+    row["scene"] = common.scene;
+    row["points"] = kind;
+    row["count"] = points.size();
+    row["threads"] = common.threads;
+    row["mpoints_per_s"] = static_cast<double>(points.size()) / times.ours * 1e-6;
+    row["steps_per_point"] = per_point(times.stats.traversal_steps, points.size());
+    row["tests_per_point"] = per_point(times.stats.triangle_tests, points.size());
+    row["checked"] = checked;
+    if (embree != nullptr) {
+      row["embree_mpoints_per_s"] = static_cast<double>(points.size()) / times.embree * 1e-6;
+      row["embree_over_ours"] = times.embree / times.ours;
+      std::size_t others = 0;
+      for (std::size_t i = 0; i < points.size(); ++i)
+        others += ours[i].primitive != theirs[i].primitive || ours[i].node != theirs[i].node;
+      row["embree_other_face"] = others;
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+}  // namespace sightline::bench
