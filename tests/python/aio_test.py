@@ -37,6 +37,23 @@ class AioTest(unittest.IsolatedAsyncioTestCase):
                 t = [hits.t async for hits in answers]
             np.testing.assert_allclose(np.concatenate(t), self.t, rtol=1e-4)
 
+    async def test_closest_points(self):
+        points = self.rays[:, :3]
+        table, _ = brute.distances(*brute.soup(), points)
+        near = await self.scene.closest(points)
+        np.testing.assert_allclose(near.distance, table.min(axis=1), rtol=1e-12)
+        self.assertTrue((await self.scene.closest(points, 0.5, kind="count")).count.any())
+
+        async def source():
+            for part in np.array_split(points, 6):
+                await asyncio.sleep(0)
+                yield part
+
+        for batches in (source(), np.array_split(points, 6)):
+            async with self.scene.closest_batches(batches, 0.5) as answers:
+                hit = [near.hit async for near in answers]
+            np.testing.assert_array_equal(np.concatenate(hit), table.min(axis=1) <= 0.5)
+
     async def test_changes_and_watch(self):
         async with self.scene.batch() as batch:
             node = await self.scene.add(brute.box(), name="box")

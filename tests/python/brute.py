@@ -1,4 +1,4 @@
-"""Hits by looking at every triangle in float64, and meshes and rays to look at."""
+"""Hits and distances by looking at every triangle in float64, and meshes and rays to look at."""
 
 import numpy as np
 
@@ -25,6 +25,31 @@ def closest(vertices, faces, origins, directions, **bounds):
     t = hits(vertices, faces, origins, directions, **bounds)
     t = np.where(np.isnan(t), np.inf, t)
     return t.min(axis=1), t.argmin(axis=1)
+
+
+def distances(vertices, faces, points):
+    """Distances (n, f) of points from faces, and where on them (n, f, 3) the nearest points are."""
+    corners = np.asarray(vertices, "f4").astype("f8")[np.asarray(faces)]
+    points = np.asarray(points, "f8")[:, None]
+    distance, nearest = np.full(points.shape[:1] + corners.shape[:1], np.inf), np.zeros((len(points), len(corners), 3))
+
+    def offer(where, is_there=True):
+        length = np.where(is_there, np.linalg.norm(where - points, axis=-1), np.inf)
+        nearest[length < distance] = np.broadcast_to(where, nearest.shape)[length < distance]
+        np.minimum(distance, length, out=distance)
+
+    for k in range(3):
+        start, along = corners[:, k], corners[:, (k + 1) % 3] - corners[:, k]
+        square = np.maximum((along ** 2).sum(axis=-1), 1e-300)
+        offer(start + np.clip(((points - start) * along).sum(axis=-1) / square, 0, 1)[..., None] * along)
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    square = (normal ** 2).sum(axis=-1)
+    height = ((points - corners[:, 0]) * normal).sum(axis=-1) / np.maximum(square, 1e-300)
+    foot = points - height[..., None] * normal
+    sides = [(np.cross(corners[:, (k + 1) % 3] - corners[:, k], foot - corners[:, k]) * normal).sum(axis=-1) >= 0
+             for k in range(3)]
+    offer(foot, np.all(sides, axis=0) & (square > 0))
+    return distance, nearest
 
 
 def box():

@@ -48,6 +48,19 @@ class BrokenConnectionTest(ServerTest):
             again = self.scene.cast(rays, kind=kind, fields=("t",))
             np.testing.assert_array_equal(again.t, expected.t)
 
+    def test_closest_points_go_on(self):
+        points = np.tile(brute.rays(300)[:, :3], (300, 1))
+        for kind in ("closest", "all"):
+            expected = self.scene.closest(points, 0.3, kind=kind, fields=("distance",))
+            self.proxy.cut_after(300_000)
+            again = self.scene.closest(points, 0.3, kind=kind, fields=("distance",))
+            np.testing.assert_array_equal(again.distance, expected.distance)
+        self.proxy.cut()
+        small = self.scene.closest(points[:300], 0.3)
+        self.client.scene(self.scene.name).delete_node(1)
+        self.proxy.cut()
+        np.testing.assert_array_equal(self.scene.closest(points[:300], 0.3, revision=1).distance, small.distance)
+
     def test_small_casts_are_repeated(self):
         rays = brute.rays(300)
         expected = self.scene.cast(rays)

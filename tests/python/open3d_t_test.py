@@ -71,7 +71,37 @@ class RaycastingSceneTest(ServerTest):
         with self.assertRaisesRegex(ValueError, "along the view"):
             RaycastingScene.create_rays_pinhole(90, [0, 0, 0], [0, 0, -2], [0, 0, 1], 4, 2)
 
-    def test_distances_are_refused_by_name(self):
-        for name in ("compute_closest_points", "compute_distance", "compute_signed_distance"):
-            with self.assertRaisesRegex(NotImplementedError, name):
-                getattr(self.scene, name)(np.zeros((1, 3)))
+    def test_closest_points(self):
+        vertices, faces = brute.box()
+        self.assertEqual(self.scene.add_triangles(vertices - [0, 0, 10], faces), 1)
+        points = np.random.default_rng(5).uniform(-1, 2, (4, 50, 3)).astype("f4")
+        points[1] -= [0, 0, 10]
+        answer = self.scene.compute_closest_points(points)
+        self.assertEqual({name: column.shape[2:] for name, column in answer.items()}, {
+            "points": (3,), "geometry_ids": (), "primitive_ids": (), "primitive_uvs": (2,), "primitive_normals": (3,)})
+        self.assertEqual([column.dtype.str for column in answer.values()], ["<f4", "<u4", "<u4", "<f4", "<f4"])
+        self.assertEqual({column.shape[:2] for column in answer.values()}, {(4, 50)})
+        self.assertEqual([set(row) for row in answer["geometry_ids"].tolist()], [{0}, {1}, {0}, {0}])
+        upper = [0, 2, 3]
+        table, nearest = brute.distances(*self.mesh, points[upper].reshape(-1, 3))
+        face = table.argmin(axis=1)
+        np.testing.assert_array_equal(answer["primitive_ids"][upper].reshape(-1), face)
+        np.testing.assert_allclose(answer["points"][upper].reshape(-1, 3), nearest[np.arange(150), face], atol=1e-6)
+        distance = self.scene.compute_distance(points)
+        self.assertEqual((distance.shape, distance.dtype), ((4, 50), np.float32))
+        np.testing.assert_allclose(distance.numpy()[upper].reshape(-1), table.min(axis=1), rtol=1e-6)
+        np.testing.assert_allclose(np.linalg.norm(answer["points"] - points, axis=-1), distance, rtol=1e-4, atol=1e-6)
+        self.assertEqual(self.scene.compute_distance([0.5, 0.5, -12]).shape, ())
+
+    def test_closest_points_of_nothing_and_of_no_point(self):
+        empty = RaycastingScene(client=self.client)
+        for scene, point, distance in ((empty, [[0, 0, 0]], np.inf), (self.scene, [[np.nan, 0, 0]], np.nan)):
+            np.testing.assert_array_equal(scene.compute_distance(point), [distance])
+            answer = scene.compute_closest_points(point)
+            self.assertTrue(np.isnan(answer["points"]).all())
+            self.assertEqual(answer["geometry_ids"].tolist(), [RaycastingScene.INVALID_ID])
+            self.assertEqual(answer["primitive_ids"].tolist(), [RaycastingScene.INVALID_ID])
+
+    def test_signed_distances_are_refused_by_name(self):
+        with self.assertRaisesRegex(NotImplementedError, "compute_signed_distance"):
+            self.scene.compute_signed_distance(np.zeros((1, 3)))

@@ -7,8 +7,10 @@ import subprocess
 import sys
 import tarfile
 import tempfile
+import types
 import unittest
 
+import grpc
 import sightline
 
 try:
@@ -90,3 +92,8 @@ print("ok")
         self.assertIsInstance(error, ValueError)
         self.assertEqual((error.message, error.reason, str(error)), ("text", "REASON", "text [REASON]"))
         self.assertIsInstance(errors.of_code(99, "text"), errors.Unknown)
+        call = types.SimpleNamespace(code=lambda: grpc.StatusCode.UNIMPLEMENTED, details=lambda: "",
+                                     trailing_metadata=lambda: None)
+        error = errors.of_call(call)  # what a server says of a call that it does not know
+        self.assertIsInstance(error, errors.Unimplemented)
+        self.assertRegex(str(error), "does not have this call")

@@ -21,3 +21,6 @@ class PageTest(unittest.TestCase):
         self.assertIn("SCENE_NOT_FOUND", printed.getvalue())
         self.assertIn("[1. 0.]", printed.getvalue())
         self.assertEqual(names["picture"].pixels.shape, (240, 320, 3))
+        self.assertEqual(names["near"].hit.tolist(), [True, True, False])
+        self.assertEqual(names["two"].point.tolist(), [0, 0, 1, 1, 2, 2])
+        self.assertEqual(names["clearance"].shape, (31, 41))

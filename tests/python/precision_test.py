@@ -46,6 +46,17 @@ class PrecisionTest(ServerTest):
     def test_streams(self):
         self.check(lambda: list(self.scene.cast(iter([self.rays, self.single]))))
 
+    def test_closest_points(self):
+        text = TEXT.replace("rays are float32 and begin", "points are float32 and lie")
+        points = self.single[:, :3]
+        for kind in ("closest", "any", "count", "all"):
+            self.check(lambda kind=kind: self.scene.closest(points, kind=kind), text)
+        self.check(lambda: self.scene.closest(points, 0.1), text)  # sent as float64
+        self.check(lambda: list(self.scene.closest(iter([self.rays[:, :3], points]))), text)
+        grid = sightline.PointGrid(self.single[0, :3], [1, 0, 0], [0, 1, 0], 2, 2)
+        for precise in (self.rays[:, :3], grid):
+            self.assertEqual(self.warned(lambda precise=precise: self.scene.closest(precise)), [])
+
     def test_other_types(self):
         for rays in (self.rays, self.rays.tolist(), np.round(self.rays).astype("i8")):
             self.assertEqual(self.warned(lambda rays=rays: self.scene.cast(rays)), [])

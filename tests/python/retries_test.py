@@ -45,6 +45,14 @@ class RetriesTest(ServerTest):
         parts = list(self.scene.cast(iter(np.array_split(self.rays, 3))))
         np.testing.assert_array_equal(np.concatenate([part.t for part in parts]), self.expected.t)
 
+    def test_closest_points(self):
+        points = self.rays[:, :3]
+        expected = self.client.scene(self.name).closest(points, 0.5).hit
+        for kind, name in (("closest", "QueryPoints"), ("count", "QueryPoints"), ("all", "StreamQueryPoints")):
+            self.refuse(**{name: 3})
+            np.testing.assert_array_equal(self.scene.closest(points, 0.5, kind=kind).hit, expected)
+        self.assertEqual((self.refusing.calls["QueryPoints"], self.refusing.calls["StreamQueryPoints"]), (8, 4))
+
     def test_changes_have_one_effect(self):
         self.refuse(ApplyUpdates=2, FindMissingBlobs=1, GetUploadStatus=1, UploadBlob=2, PutScene=2)
         node = self.scene.add(brute.soup(seed=7), name="new")

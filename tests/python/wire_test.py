@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 
-from sightline import Rays, _cast_codec, _proto, _wire, as_rays, errors
+from sightline import Points, Rays, _cast_codec, _proto, _wire, as_points, as_rays, errors
 
 
 class WireTest(unittest.TestCase):
@@ -23,6 +23,25 @@ class WireTest(unittest.TestCase):
         self.assertEqual(sent.tmin, table[2:9, 6].tobytes())
         self.assertEqual(sent.tmax, table[2:9, 7].tobytes())
         self.assertEqual(sent.masks, np.arange(2, 9, dtype="u4").tobytes())
+
+    def test_points_are_read_by_protobuf(self):
+        table = np.random.default_rng(1).random((10, 3))
+        points = as_points(table, np.arange(10), np.arange(10))
+        self.assertIsInstance(points, Points)
+        head = _proto.QueryPointsRequest(scene="s", max_hits=7).SerializeToString()
+        data = _cast_codec.stream_request(300, _cast_codec.request_parts(head, points, 2, 9))
+        message = _proto.StreamQueryPointsRequest.FromString(data)
+        self.assertEqual((message.chunk, message.request.scene, message.request.max_hits), (300, "s", 7))
+        sent = message.request.points
+        self.assertEqual((sent.float64, sent.count, sent.positions), (True, 7, table[2:9].tobytes()))
+        self.assertEqual(sent.max_distance, np.arange(2.0, 9).tobytes())
+        self.assertEqual(sent.masks, np.arange(2, 9, dtype="u4").tobytes())
+
+    def test_answers_to_points_have_the_numbers_of_casts(self):
+        for kind in ("", "Stream"):
+            rays, points = (getattr(_proto, f"{kind}{name}Response") for name in ("CastRays", "QueryPoints"))
+            self.assertEqual([(field.number, field.type, field.label) for field in rays.DESCRIPTOR.fields],
+                             [(field.number, field.type, field.label) for field in points.DESCRIPTOR.fields])
 
     def test_answers_of_protobuf_are_read(self):
         message = _proto.StreamCastRaysResponse(chunk=5)

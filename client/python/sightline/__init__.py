@@ -1,4 +1,4 @@
-"""Ray queries on scenes of a Sightline server, with NumPy arrays.
+"""Ray queries and closest points on scenes of a Sightline server, with NumPy arrays.
 
     import sightline
 
@@ -6,6 +6,7 @@
     scene = client.import_arrays("quad", [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
     hits = scene.cast([[0.2, 0.1, 5, 0, 0, -1]])
     hits.t, hits.node, hits.primitive, hits.position
+    scene.closest([[0.2, 0.1, 5]]).distance
 
 sightline.aio has the same for asyncio. sightline.trimesh_ray and sightline.open3d_t have classes for programs that were
 written for trimesh and Open3D.
@@ -20,8 +21,10 @@ from .errors import (Aborted, AlreadyExists, Cancelled, DataLoss, DeadlineExceed
                      InvalidArgument, NotFound, OutOfRange, PermissionDenied, ResourceExhausted, SightlineError,
                      Unauthenticated, Unavailable, Unimplemented, Unknown)
 from .hits import AllHits, Hits
+from .nearest import AllNearest, Nearest
 from .nodes import Node
 from .picture import Picture
+from .points import PointGrid, Points, as_points
 from .rays import Rays, as_rays
 from .scene import Scene, SceneInfo
 from .server import Server, serve
@@ -29,9 +32,9 @@ from .update_stream import UpdateStream
 from .watch import Change
 
 __all__ = [
-    "Aborted", "AllHits", "AlreadyExists", "Applied", "Batch", "Cancelled", "Change", "Client", "DataLoss",
-    "DeadlineExceeded", "FailedPrecondition", "Hits", "Internal", "InvalidArgument", "Node", "NotFound", "OutOfRange",
-    "PermissionDenied", "Picture", "PrecisionWarning", "Rays", "ResourceExhausted", "Scene", "SceneInfo", "Server",
-    "SightlineError", "Unauthenticated", "Unavailable", "Unimplemented", "Unknown", "UpdateStream", "__version__",
-    "as_rays", "connect", "errors", "serve", "updates",
+    "Aborted", "AllHits", "AllNearest", "AlreadyExists", "Applied", "Batch", "Cancelled", "Change", "Client", "DataLoss",
+    "DeadlineExceeded", "FailedPrecondition", "Hits", "Internal", "InvalidArgument", "Nearest", "Node", "NotFound",
+    "OutOfRange", "PermissionDenied", "Picture", "PointGrid", "Points", "PrecisionWarning", "Rays", "ResourceExhausted",
+    "Scene", "SceneInfo", "Server", "SightlineError", "Unauthenticated", "Unavailable", "Unimplemented", "Unknown",
+    "UpdateStream", "__version__", "as_points", "as_rays", "connect", "errors", "serve", "updates",
 ]

@@ -1,4 +1,8 @@
-"""All hits of rays that have more of them than one answer lists: the rays are cast again from behind what is known."""
+"""All hits of rays that have more of them than one answer lists: the rays are cast again from behind what is known.
+
+Points have no bound that leaves out what is near. Those that have more faces than an answer lists by default are asked
+again, once, for as many as an answer can list.
+"""
 
 from __future__ import annotations
 
@@ -44,8 +48,29 @@ def complete(known: AllHits, rays: Rays, most: Optional[int], cast: "Callable[[R
              "are left out", UserWarning)
     if most is not None:
         _keep_nearest(columns, most)
-    known.stats["hits_found"] = int(columns["offset"][-1])
-    known.stats["rays_cut_off"] = int((columns["hit"] == CUT_OFF).sum())
+    _count(known)
+
+
+def complete_points(known: AllHits, ask: "Callable[[np.ndarray], AllHits]") -> None:
+    """Adds to `known` what it left out. ask() lists the nearest MOST_LISTED faces of the points with these numbers, at
+    the same revision, with the same columns, which include t. A warning says how many points have more."""
+    columns = known._columns
+    rows = np.flatnonzero(columns["hit"] == CUT_OFF)
+    if not len(rows):
+        return
+    more = ask(rows)
+    known.add_cost(more.stats)
+    _replace(columns, rows, np.full(len(rows), -np.inf), more._columns)
+    left_out = int((more._columns["hit"] == CUT_OFF).sum())
+    if left_out:
+        warn(f"{left_out} points have more than {MOST_LISTED} faces within max_distance: the nearest are listed",
+             UserWarning)
+    _count(known)
+
+
+def _count(known: AllHits) -> None:
+    known.stats["hits_found"] = int(known._columns["offset"][-1])
+    known.stats["rays_cut_off"] = int((known._columns["hit"] == CUT_OFF).sum())
 
 
 def _are_at_one_t(more: Columns, last: np.ndarray) -> np.ndarray:

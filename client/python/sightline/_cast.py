@@ -1,4 +1,7 @@
-"""Casts: one message where the rays fit, else a stream of them with a window, resumed at its revision if it breaks."""
+"""Casts: one message where the rays fit, else a stream of them with a window, resumed at its revision if it breaks.
+
+Points are cast as rays are, by calls and messages of their own (_query.Form).
+"""
 
 from __future__ import annotations
 
@@ -6,12 +9,12 @@ import time
 from typing import Any, Callable, Iterable, Iterator, List, NamedTuple, Optional, Tuple
 
 from . import _cast_codec as codec
-from . import _proto, errors
+from . import errors
+from ._arrays import Rows
 from ._connection import Connection
 from ._retries import Retries, sleep
 from ._query import Query, milliseconds
 from ._window import Window
-from .rays import Rays
 
 RAYS_PER_MESSAGE = 16384
 MESSAGES_IN_FLIGHT = 4
@@ -22,19 +25,19 @@ _FIRST_PAUSE = 0.1  # seconds; doubled after each attempt
 class Piece(NamedTuple):
     """Rays of one message."""
 
-    rays: Rays
+    rays: Rows
     begin: int
     end: int
 
 
-def cast_once(connection: Connection, query: Query, rays: Rays, timeout: Optional[float]) -> codec.Answer:
+def cast_once(connection: Connection, query: Query, rays: Rows, timeout: Optional[float]) -> codec.Answer:
     """Casts in one message, which the server's limits allow."""
     parts = codec.request_parts(query.request.SerializeToString(), rays, 0, rays.count)
-    return codec.answer(connection.call("CastRays", b"".join(parts), timeout, light=False,
+    return codec.answer(connection.call(query.form.call, b"".join(parts), timeout, light=False,
                                          scene=query.request.scene))
 
 
-def pieces(batches: "Iterable[Rays]", size: int) -> "Iterator[Piece]":
+def pieces(batches: "Iterable[Rows]", size: int) -> "Iterator[Piece]":
     """The messages of batches."""
     for rays in batches:
         for begin, end in rays.slices(size):
@@ -42,9 +45,9 @@ def pieces(batches: "Iterable[Rays]", size: int) -> "Iterator[Piece]":
 
 
 def generated(generator: Any, total: int, size: int) -> "Iterator[Any]":
-    """The requests for the rays of a generator; each is a RayGenerator."""
+    """The requests for the rays of a generator, or the points of a grid; each is a message of its type."""
     for first in range(0, total, size):
-        part = _proto.RayGenerator()
+        part = type(generator)()
         part.CopyFrom(generator)
         part.first, part.count = first, min(size, total - first)
         yield part
@@ -53,7 +56,7 @@ def generated(generator: Any, total: int, size: int) -> "Iterator[Any]":
 class CastStream:
     """Answers to the items of a source, in order, all at one revision.
 
-    Items are Pieces or RayGenerators. They are taken from the source by another thread, a few ahead of the answers.
+    Items are Pieces, or messages RayGenerator or PointGrid. They are taken from the source by another thread, a few ahead of the answers.
     """
 
     def __init__(self, connection: Connection, query: Query, source: "Iterator[Any]", timeout: Optional[float]):
@@ -99,7 +102,7 @@ class CastStream:
     def _attempt(self) -> "Iterator[Tuple[Any, List[codec.Answer]]]":
         timeout = None if self._deadline is None else max(0.0, self._deadline - time.monotonic())
         expected, parts = 0, []
-        with self._connection.stream("StreamCastRays", self._window.attempt(self._encoder()), timeout,
+        with self._connection.stream(self._query.form.stream, self._window.attempt(self._encoder()), timeout,
                                      self._query.request.scene) as stream:
             for data in stream:
                 chunk, answer = codec.stream_answer(data)
@@ -117,10 +120,10 @@ class CastStream:
         if self._budget_end is None:
             return b""
         rest = milliseconds(self._budget_end - time.monotonic())
-        return _proto.CastRaysRequest(time_budget_ms=rest).SerializeToString()
+        return self._query.form.request(time_budget_ms=rest).SerializeToString()
 
     def _encoder(self) -> "Callable[[int, Any], bytes]":
-        request = self._query.request
+        form, request = self._query.form, self._query.request
         if self._revision is not None:
             request.consistency.exact_revision = self._revision
         description = request.SerializeToString()
@@ -129,7 +132,7 @@ class CastStream:
             head = self._rest_of_budget() if chunk else description
             if isinstance(item, Piece):
                 return codec.stream_request(chunk, codec.request_parts(head, *item))
-            generator = _proto.CastRaysRequest(generator=item).SerializeToString()
+            generator = form.request(**{form.generator: item}).SerializeToString()
             return codec.stream_request(chunk, [head, generator])
 
         return encode

@@ -2,41 +2,55 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
 from . import _proto, _wire, errors
+from ._arrays import Rows
 from ._query import COLUMNS, NAME_OF
-from .rays import Rays
+from .points import Points
 
 
 def _numbers(message: Any) -> "Dict[str, int]":
     return {field.name: field.number for field in message.DESCRIPTOR.fields}
 
 
-_RAYS = _numbers(_proto.Rays)
-_REQUEST = _numbers(_proto.CastRaysRequest)
+class _Source(NamedTuple):
+    """How rays or points stand in a request."""
+
+    number: int               # of the field that has them
+    fields: "Dict[str, int]"  # numbers in that field
+    columns: Tuple[str, ...]  # as Rows.columns() lists them
+
+
+_RAYS = _Source(_numbers(_proto.CastRaysRequest)["rays"], _numbers(_proto.Rays),
+                ("origins", "directions", "tmin", "tmax", "masks"))
+_POINTS = _Source(_numbers(_proto.QueryPointsRequest)["points"], _numbers(_proto.Points),
+                  ("positions", "max_distance", "masks"))
+# Answers, and what streams put around messages, have the same numbers for points.
 _RESPONSE = _numbers(_proto.CastRaysResponse)
 _COLUMN = _numbers(_proto.HitColumn)
 _STREAM_REQUEST = _numbers(_proto.StreamCastRaysRequest)
 _STREAM_RESPONSE = _numbers(_proto.StreamCastRaysResponse)
-_RAY_COLUMNS = ("origins", "directions", "tmin", "tmax", "masks")
 
 
-def request_parts(description: bytes, rays: Rays, begin: int, end: int) -> "List[Any]":
-    """A CastRaysRequest of some rays, as buffers to be joined. `description` is the request without rays."""
-    parts: "List[Any]" = [_wire.number_field(_RAYS["float64"], rays.dtype.itemsize == 8)]
-    parts.append(_wire.number_field(_RAYS["count"], end - begin))
-    for name, column in zip(_RAY_COLUMNS, rays.columns()):
+def request_parts(description: bytes, rays: Rows, begin: int, end: int) -> "List[Any]":
+    """A CastRaysRequest of some rays, or a QueryPointsRequest of some points, as buffers to be joined. `description` is the
+    request without them."""
+    source = _POINTS if isinstance(rays, Points) else _RAYS
+    numbers = source.fields
+    parts: "List[Any]" = [_wire.number_field(numbers["float64"], rays.dtype.itemsize == 8)]
+    parts.append(_wire.number_field(numbers["count"], end - begin))
+    for name, column in zip(source.columns, rays.columns()):
         if column is not None and end > begin:
             rows = np.ascontiguousarray(column[begin:end])
-            parts += [_wire.bytes_header(_RAYS[name], rows.nbytes), rows.data.cast("B")]
-    return [description, _wire.bytes_header(_REQUEST["rays"], _length(parts)), *parts]
+            parts += [_wire.bytes_header(numbers[name], rows.nbytes), rows.data.cast("B")]
+    return [description, _wire.bytes_header(source.number, _length(parts)), *parts]
 
 
 def stream_request(chunk: int, request: "List[Any]") -> bytes:
-    """A StreamCastRaysRequest of the parts of a request."""
+    """A StreamCastRaysRequest, or StreamQueryPointsRequest, of the parts of a request."""
     return b"".join([_wire.number_field(_STREAM_REQUEST["chunk"], chunk),
                      _wire.bytes_header(_STREAM_REQUEST["request"], _length(request)), *request])
 
@@ -46,7 +60,7 @@ def _length(parts: "List[Any]") -> int:
 
 
 class Answer:
-    """A decoded CastRaysResponse. `columns` are views of the received bytes, by name; names of nodes are str objects."""
+    """A decoded CastRaysResponse or QueryPointsResponse. `columns` are views of the received bytes, by name; names of nodes are str objects."""
 
     def __init__(self, data: memoryview):
         self.columns: "Dict[str, np.ndarray]" = {}
@@ -103,7 +117,7 @@ class Answer:
 
 
 def answer(data: bytes) -> Answer:
-    """The answer of CastRays."""
+    """The answer of CastRays or QueryPoints."""
     try:
         return Answer(memoryview(data))
     except ValueError as error:
@@ -111,7 +125,7 @@ def answer(data: bytes) -> Answer:
 
 
 def stream_answer(data: bytes) -> "tuple[int, Answer]":
-    """An answer of StreamCastRays: the number of the chunk that it answers, and the answer."""
+    """An answer of StreamCastRays or StreamQueryPoints: the number of the chunk that it answers, and the answer."""
     chunk, response = 0, memoryview(b"")
     try:
         for number, value in _wire.fields(memoryview(data)):

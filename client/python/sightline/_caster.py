@@ -1,4 +1,4 @@
-"""From rays to hits: puts the answers of messages together."""
+"""From rays to hits, and from points to faces: puts the answers of messages together."""
 
 from __future__ import annotations
 
@@ -8,14 +8,17 @@ from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Tupl
 import numpy as np
 
 from . import _cast_codec as codec
-from ._all_hits import complete
+from ._all_hits import complete, complete_points
+from ._arrays import Rows
 from ._cast import RAYS_PER_MESSAGE, CastStream, Piece, cast_once, generated, pieces
 from ._connection import Connection
-from ._query import OF_HITS, Query
+from ._query import OF_HITS, POINTS, Query
 from .hits import AllHits, Hits, NameLookup, empty_columns
-from .rays import Rays, as_rays
+from .nearest import AllNearest, Nearest
+from .points import PointGrid
 
 Progress = Callable[[int], None]  # called with how many more rays are answered
+Source = Union[Rows, PointGrid]   # what is cast
 _MOST_GENERATED = 16384
 
 
@@ -37,6 +40,7 @@ class _PerRay:
     """Fills a row for each ray."""
 
     def __init__(self, query: Query, count: int):
+        self._made = Nearest if query.form is POINTS else Hits
         self._columns = empty_columns(query.columns, count)
         self._totals = _Totals()
         self._filled = 0
@@ -47,15 +51,16 @@ class _PerRay:
             column[begin:self._filled] = answers[0].rows(name, count)
         self._totals.add(answers[0])
 
-    def hits(self, shape: "Tuple[int, ...]", rays: Optional[Rays], names: NameLookup) -> Hits:
+    def hits(self, shape: "Tuple[int, ...]", rays: Optional[Source], names: NameLookup) -> Hits:
         totals = self._totals
-        return Hits(shape, self._columns, totals.revision, totals.token, totals.stats, rays, names)
+        return self._made(shape, self._columns, totals.revision, totals.token, totals.stats, rays, names)
 
 
 class _PerHit:
     """Collects a row for each hit."""
 
     def __init__(self, query: Query, _: int):
+        self._made = AllNearest if query.form is POINTS else AllHits
         self._parts: "Dict[str, List[np.ndarray]]" = {name: [] for name in query.columns}
         self._parts["offset"].append(np.zeros(1, np.uint64))
         self._totals = _Totals()
@@ -73,11 +78,11 @@ class _PerHit:
             self._listed += listed
             self._totals.add(answer)
 
-    def hits(self, shape: "Tuple[int, ...]", rays: Optional[Rays], names: NameLookup) -> AllHits:
+    def hits(self, shape: "Tuple[int, ...]", rays: Optional[Source], names: NameLookup) -> AllHits:
         columns = {name: np.concatenate(parts) if parts else empty_columns((name,), 0)[name]
                    for name, parts in self._parts.items()}
         totals = self._totals
-        return AllHits(shape, columns, totals.revision, totals.token, totals.stats, rays, names)
+        return self._made(shape, columns, totals.revision, totals.token, totals.stats, rays, names)
 
 
 def _collector(query: Query, count: int) -> "Union[_PerRay, _PerHit]":
@@ -85,28 +90,28 @@ def _collector(query: Query, count: int) -> "Union[_PerRay, _PerHit]":
 
 
 class Caster:
-    """One cast. `limit`: how many rays the server takes in a request. `check` is told of rays that were cast,
-    and of the token of the revision."""
+    """One cast, of rays or of points, as the query says. `limit`: how many the server takes in a request. `check` is
+    told of those that were cast, and of the token of the revision."""
 
     def __init__(self, connection: Connection, limit: int, query: Query, timeout: Optional[float], names: NameLookup,
-                 check: "Callable[[Rays, str], None]"):
+                 check: "Callable[[Any, str], None]"):
         self._connection, self._limit, self._query, self._names = connection, limit, query, names
         self._check = check
         self._seconds = connection.timeout if timeout is None else timeout
         self._deadline: Optional[float] = None    # once the cast has begun, as the next
         self._budget_end: Optional[float] = None
 
-    def cast(self, rays: Rays, progress: Progress) -> "Union[Hits, AllHits]":
-        """All rays of an array."""
+    def cast(self, rays: Source, progress: Progress) -> "Union[Hits, AllHits]":
+        """All rays of an array, or points of a grid."""
         self._begin()
         return self._completed(self._answers(self._query, rays, progress), rays)
 
-    def cast_batches(self, batches: "Iterable[Any]", progress: Progress) -> "Iterator[Union[Hits, AllHits]]":
+    def cast_batches(self, batches: "Iterable[Rows]", progress: Progress) -> "Iterator[Union[Hits, AllHits]]":
         """The hits of each batch, in order. A few messages are in memory at a time, and the batches they belong to."""
         self._begin()
-        source = pieces(map(as_rays, batches), min(self._limit, RAYS_PER_MESSAGE))
+        source = pieces(batches, min(self._limit, RAYS_PER_MESSAGE))
         collector = None
-        for piece, answers in CastStream(self._connection, self._query, source, self._rest()).answers():
+        for piece, answers in self._stream(self._query, source):
             if collector is None:
                 collector = _collector(self._query, piece.rays.count)
             collector.add(piece.end - piece.begin, answers)
@@ -120,26 +125,37 @@ class Caster:
         self._deadline = None if self._seconds is None else now + self._seconds
         self._budget_end = now + budget / 1000 if budget else None
 
-    def _answers(self, query: Query, rays: Rays, progress: Progress) -> "Union[Hits, AllHits]":
-        collector = _collector(query, rays.count)
-        if rays.count <= self._limit and query.kind != "all":
+    def _answers(self, query: Query, rays: Source, progress: Progress) -> "Union[Hits, AllHits]":
+        collector, size = _collector(query, rays.count), min(self._limit, RAYS_PER_MESSAGE)
+        if isinstance(rays, PointGrid):
+            for part, answers in self._stream(query, generated(rays.message(), rays.count, size)):
+                collector.add(part.count, answers)
+                progress(part.count)
+        elif rays.count <= self._limit and query.kind != "all":
             collector.add(rays.count, [cast_once(self._connection, query, rays, self._rest())])
             progress(rays.count)
         else:
-            source = pieces([rays], min(self._limit, RAYS_PER_MESSAGE))
-            for piece, answers in CastStream(self._connection, query, source, self._rest()).answers():
+            for piece, answers in self._stream(query, pieces([rays], size)):
                 collector.add(piece.end - piece.begin, answers)
                 progress(piece.end - piece.begin)
         return collector.hits(rays.shape, rays, self._names)
 
+    def _stream(self, query: Query, source: "Iterator[Any]") -> "Iterator[Tuple[Any, List[codec.Answer]]]":
+        return CastStream(self._connection, query, source, self._rest()).answers()
+
     def _rest(self) -> Optional[float]:
         return None if self._deadline is None else max(0.0, self._deadline - time.monotonic())
 
-    def _completed(self, hits: "Union[Hits, AllHits]", rays: Rays) -> "Union[Hits, AllHits]":
+    def _completed(self, hits: "Union[Hits, AllHits]", rays: Any) -> "Union[Hits, AllHits]":
         query = self._query
-        if isinstance(hits, AllHits) and query.needs_more():
-            complete(hits, rays, query.most, lambda again: self._answers(
-                query.again(hits.revision, self._budget_end), again, lambda _: None))
+
+        def again(some: Rows) -> Any:
+            return self._answers(query.again(hits.revision, self._budget_end), some, lambda _: None)
+
+        if isinstance(hits, AllNearest) and query.needs_more():
+            complete_points(hits, lambda rows: again(rays.some(rows)))
+        elif isinstance(hits, AllHits) and query.needs_more():
+            complete(hits, rays, query.most, again)
         for name in query.hidden:
             del hits._columns[name]
         self._check(rays, hits.token)

@@ -21,8 +21,8 @@ _LIGHT_TIMEOUT = 60.0  # seconds, for calls that send neither rays nor meshes
 _READ_AHEAD = 2  # answers of a stream
 
 # Calls that may be repeated: those that read, and ApplyUpdates, which has a request id.
-_REPEATABLE = ("CastRays", "GetScene", "ListScenes", "BatchGetNodes", "GetSceneStats", "FindMissingBlobs",
-               "GetUploadStatus", "GetServerInfo", "ApplyUpdates")
+_REPEATABLE = ("CastRays", "QueryPoints", "GetScene", "ListScenes", "BatchGetNodes", "GetSceneStats",
+               "FindMissingBlobs", "GetUploadStatus", "GetServerInfo", "ApplyUpdates")
 # Calls that have had no effect where the server refuses them for now, or that may be repeated if they had one. A refusal
 # of others may come after their effect: their answer did not fit among those that are not read yet.
 _REPEATED_WHEN_REFUSED = {*_REPEATABLE, "PutScene"}
@@ -83,7 +83,7 @@ class Connection:
         method = _proto.methods[name]
         kind = f"{'stream' if method.client_streaming else 'unary'}_{'stream' if method.server_streaming else 'unary'}"
         # Casts encode and decode their own messages: their columns are the buffers of arrays.
-        is_cast = name in ("CastRays", "StreamCastRays")
+        is_cast = name in ("CastRays", "StreamCastRays", "QueryPoints", "StreamQueryPoints")
         return getattr(self._channel, kind)(
             method.path, request_serializer=None if is_cast else method.request.SerializeToString,
             response_deserializer=None if is_cast else method.response.FromString)

@@ -1,28 +1,40 @@
-"""Rays whose origins are too far out for the type that they were given in."""
+"""Rays and points that are too far out for the type that they were given in."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Tuple
+from typing import TYPE_CHECKING, Any, Tuple
 
 import numpy as np
 
 from . import errors
 from ._warnings import PrecisionWarning, warn
+from .points import Points
 from .rays import Rays
 
 if TYPE_CHECKING:
     from .scene import Scene
 
 _MAX_SPACING = 1e-6  # share of the scene's diagonal, as the command has it
-_SAMPLE = 65536      # origins that are looked at
+_SAMPLE = 65536      # positions that are looked at
 
 
 def warn_of_origins(scene: "Scene", rays: Rays, token: str) -> None:
     """Gives a PrecisionWarning if origins are float32, or less, and so far out that its values there are far apart for
     this scene. `token`: that of the revision that was cast at."""
-    if rays.origin_type.kind != "f" or rays.origin_type.itemsize > 4 or not rays.count:
+    _warn(scene, rays.origins, rays.origin_type, token, "rays are {} and begin")
+
+
+def warn_of_points(scene: "Scene", points: Any, token: str) -> None:
+    """The same of points. Those that the server makes are double."""
+    if isinstance(points, Points):
+        _warn(scene, points.positions, points.position_type, token, "points are {} and lie")
+
+
+def _warn(scene: "Scene", positions: np.ndarray, given: np.dtype, token: str, text: str) -> None:
+    """`given`: the type that positions (n, 3) were given in."""
+    if given.kind != "f" or given.itemsize > 4 or not len(positions):
         return
-    reach, spacing = _reach(rays)
+    reach, spacing = _reach(positions, given)
     known = scene.client._diagonals
     if scene.name in known and spacing <= _MAX_SPACING * known[scene.name][1]:
         return
@@ -35,14 +47,14 @@ def warn_of_origins(scene: "Scene", rays: Rays, token: str) -> None:
         known[scene.name] = (info.token, diagonal)
     diagonal = known[scene.name][1]
     if diagonal > 0 and spacing > _MAX_SPACING * diagonal:
-        name = f"float{8 * rays.origin_type.itemsize}"
-        warn(f"rays are {name} and begin up to {reach:.3g} from the origin, where {name} values are {spacing:.2g} "
+        name = f"float{8 * given.itemsize}"
+        warn(f"{text.format(name)} up to {reach:.3g} from the origin, where {name} values are {spacing:.2g} "
              f"apart; the scene's diagonal is {diagonal:.3g}: pass float64", PrecisionWarning)
 
 
-def _reach(rays: Rays) -> "Tuple[float, float]":
-    """The largest finite coordinate of origins, and the distance there to the next value of their type."""
-    sample = np.abs(rays.origins[::-(-rays.count // _SAMPLE)])
+def _reach(positions: np.ndarray, given: np.dtype) -> "Tuple[float, float]":
+    """The largest finite coordinate, and the distance there to the next value of their type."""
+    sample = np.abs(positions[::-(-len(positions) // _SAMPLE)])
     reach = float(sample.max(initial=0.0, where=np.isfinite(sample)))
     with np.errstate(over="ignore", invalid="ignore"):
-        return reach, float(np.spacing(rays.origin_type.newbyteorder("=").type(reach)))
+        return reach, float(np.spacing(given.newbyteorder("=").type(reach)))

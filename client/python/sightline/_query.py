@@ -1,4 +1,4 @@
-"""What is asked of rays: the request of a cast without its rays, and which columns its answer has."""
+"""What is asked of rays or points: the request of a cast without its rays, and which columns its answer has."""
 
 from __future__ import annotations
 
@@ -40,21 +40,37 @@ MOST_LISTED = 16384  # hits of a ray, in an answer
 GEOMETRY = ("t", "node", "primitive", "uv", "normal")
 OF_HITS = (*GEOMETRY, "position", "name")  # for kind "all": a row for each hit
 
-# The columns that an answer always has, those it has if none are named, and those that may be named.
+# The columns that an answer always has, and those that may be named.
 _ALWAYS = {"closest": (), "any": ("hit",), "count": ("count",), "all": ("offset", "hit")}
-_DEFAULT = {"closest": GEOMETRY, "any": (), "count": (), "all": GEOMETRY}
 _ALLOWED = {"closest": {*OF_HITS, "hit", "work"}, "any": {"hit", "work"}, "count": {"count", "hit", "work"},
             "all": {*OF_HITS, "hit", "work"}}
 _CULLING = {None: "UNSPECIFIED", "back": "BACK", "front": "FRONT"}
 _BUILD = {None: "UNSPECIFIED", "lazy": "LAZY", "full": "FULL", "none": "NONE", "built-only": "BUILT_ONLY"}
 
 
+class Form(NamedTuple):
+    """How one asks about rays, or about points, which are cast as rays are: `rays` are points then."""
+
+    call: str       # of one message
+    stream: str     # of many
+    request: Any    # the class of the request
+    generator: str  # the request's field of rays that the server makes
+    t: str          # what users call the column t
+    default: Tuple[str, ...]  # columns of hits, if none are named
+
+
+RAYS = Form("CastRays", "StreamCastRays", _proto.CastRaysRequest, "generator", "t", GEOMETRY)
+POINTS = Form("QueryPoints", "StreamQueryPoints", _proto.QueryPointsRequest, "grid", "distance",
+              (*GEOMETRY, "position"))
+
+
 class Query(NamedTuple):
     """A cast without its rays."""
 
+    form: Form
     kind: str
     columns: Tuple[str, ...]  # columns of the answer
-    request: Any              # a CastRaysRequest
+    request: Any              # of the form's class
     most: Optional[int] = None  # hits of a ray, for kind "all"; None: any number
     hidden: Tuple[str, ...] = ()  # columns that were not asked for
 
@@ -64,19 +80,20 @@ class Query(NamedTuple):
 
     def again(self, revision: int, end_of_budget: Optional[float]) -> "Query":
         """The query for the rest of the hits: at this revision, as many as an answer lists, within the budget's rest."""
-        request = _proto.CastRaysRequest()
+        request = self.form.request()
         request.CopyFrom(self.request)
         request.max_hits = MOST_LISTED
         set_consistency(request, None, revision)
         if end_of_budget is not None:
             request.time_budget_ms = milliseconds(end_of_budget - time.monotonic())
-        return Query(self.kind, self.columns, request, MOST_LISTED)
+        return Query(self.form, self.kind, self.columns, request, MOST_LISTED)
 
 
-def describe(scene: str, kind: str, fields: "Optional[Iterable[str]]", build: "Optional[str]", cull: "Optional[str]",
-             under: int, exclude: "Iterable[int]", max_hits: int, at_least: "Optional[str]",
+def describe(form: Form, scene: str, kind: str, fields: "Optional[Iterable[str]]", build: "Optional[str]",
+             cull: "Optional[str]", under: int, exclude: "Iterable[int]", max_hits: int, at_least: "Optional[str]",
              revision: "Optional[int]", time_budget: "Optional[float]" = None, allow_partial: bool = False) -> Query:
-    """ValueError: an unknown word, a field that the kind does not have, or a time budget that is not above 0."""
+    """`cull` is None for points. ValueError: an unknown word, a field that the kind does not have, for points a max_hits
+    above what an answer lists, or a time budget that is not above 0."""
     if kind not in _ALWAYS:
         raise ValueError(f"kind is {_words(_ALWAYS)}, not {kind!r}")
     if build not in _BUILD:
@@ -85,16 +102,15 @@ def describe(scene: str, kind: str, fields: "Optional[Iterable[str]]", build: "O
         raise ValueError(f"cull is {_words(_CULLING)}, not {cull!r}")
     if at_least is not None and revision is not None:
         raise ValueError("pass either at_least or revision")
-    asked = [fields] if isinstance(fields, str) else None if fields is None else list(fields)
-    named = _DEFAULT[kind] if asked is None else tuple(dict.fromkeys(asked))
-    for name in named:
-        if name not in _ALLOWED[kind]:
-            raise ValueError(f"kind {kind!r} has no field {name!r}; it has {_words(_ALLOWED[kind])}")
-    request = _proto.CastRaysRequest(
+    if form is POINTS and max_hits > MOST_LISTED:
+        raise ValueError(f"max_hits is at most {MOST_LISTED} for points, not {max_hits}")
+    named = _named(form, kind, fields)
+    request = form.request(
         scene=scene, kind=_proto.enum_value(f"QUERY_KIND_{kind.upper()}"),
-        build=_proto.enum_value(f"BUILD_MODE_{_BUILD[build]}"),
-        culling=_proto.enum_value(f"CULLING_{_CULLING[cull]}"), root=under, exclude=list(exclude), max_hits=min(max_hits, MOST_LISTED),
-        allow_partial=allow_partial)
+        build=_proto.enum_value(f"BUILD_MODE_{_BUILD[build]}"), root=under, exclude=list(exclude),
+        max_hits=min(max_hits, MOST_LISTED), allow_partial=allow_partial)
+    if cull is not None:
+        request.culling = _proto.enum_value(f"CULLING_{_CULLING[cull]}")
     most = max_hits or None
     hidden = () if "t" in named or kind != "all" or (most or MOST_LISTED + 1) <= MOST_LISTED else ("t",)
     columns = tuple(dict.fromkeys((*_ALWAYS[kind], *named, *hidden)))
@@ -106,7 +122,19 @@ def describe(scene: str, kind: str, fields: "Optional[Iterable[str]]", build: "O
         if not time_budget > 0:
             raise ValueError(f"time_budget is above 0, not {time_budget!r}")
         request.time_budget_ms = milliseconds(time_budget)
-    return Query(kind, columns, request, most, hidden)
+    return Query(form, kind, columns, request, most, hidden)
+
+
+def _named(form: Form, kind: str, fields: "Optional[Iterable[str]]") -> "Tuple[str, ...]":
+    """The columns that are asked for, by the names that they have here."""
+    if fields is None:
+        return form.default if kind in ("closest", "all") else ()
+    words = {form.t if name == "t" else name: name for name in _ALLOWED[kind]}
+    asked = [fields] if isinstance(fields, str) else list(fields)
+    for name in asked:
+        if name not in words:
+            raise ValueError(f"kind {kind!r} has no field {name!r}; it has {_words(words)}")
+    return tuple(dict.fromkeys(words[name] for name in asked))
 
 
 def milliseconds(seconds: float) -> int:

@@ -13,8 +13,8 @@ _PACKAGE = os.path.dirname(os.path.abspath(__file__)) + os.sep
 
 
 class PrecisionWarning(UserWarning):
-    """Coordinates are float32 and lie so far from the origin that this moves them noticeably: vertices, or the origins
-    of rays."""
+    """Coordinates are float32 and lie so far from the origin that this moves them noticeably: vertices, the origins of
+    rays, or points."""
 
 
 def warn(message: str, category: "Type[Warning]" = UserWarning) -> None:

@@ -102,6 +102,12 @@ def _from_loop(batches: "AsyncIterator[Any]", loop: asyncio.AbstractEventLoop) -
         yield found
 
 
+def _iterator_of(batches: Any) -> "Iterator[Any]":
+    if hasattr(batches, "__aiter__"):
+        return _from_loop(batches.__aiter__(), asyncio.get_running_loop())
+    return iter(batches)
+
+
 def connect(endpoint: Optional[str] = None, **options: Any) -> "Client":
     """A client; the options of sightline.connect()."""
     return Client(_client.connect(endpoint, **options))
@@ -182,9 +188,15 @@ class Scene:
 
     def cast_batches(self, batches: Any, **options: Any) -> Results:
         """The hits of each batch of an iterator or an asynchronous iterator, with a few batches in memory."""
-        if hasattr(batches, "__aiter__"):
-            batches = _from_loop(batches.__aiter__(), asyncio.get_running_loop())
-        return Results(self._threads, self._scene.cast(iter(batches), **options))
+        return Results(self._threads, self._scene.cast(_iterator_of(batches), **options))
+
+    async def closest(self, points: Any, max_distance: Any = None, **options: Any) -> Any:
+        """Nearest faces, as of sightline.Scene.closest."""
+        return await self._threads.run(self._scene.closest, points, max_distance, **options)
+
+    def closest_batches(self, batches: Any, max_distance: Any = None, **options: Any) -> Results:
+        """The nearest faces of each batch of an iterator or an asynchronous iterator, with a few batches in memory."""
+        return Results(self._threads, self._scene.closest(_iterator_of(batches), max_distance, **options))
 
     def watch(self, start: Optional[int] = None) -> Results:
         """Changes, as of sightline.Scene.watch."""

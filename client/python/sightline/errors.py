@@ -146,6 +146,8 @@ def of_code(number: int, message: str, reason: str = "") -> SightlineError:
 def of_call(error: Any) -> SightlineError:
     """The error that a grpc.RpcError stands for."""
     code, message = error.code(), error.details() or ""
+    if code is grpc.StatusCode.UNIMPLEMENTED and not message:
+        message = "the server is of a version that does not have this call"
     if code is grpc.StatusCode.UNAVAILABLE and _tells_of_tls(message):
         return Unauthenticated(message, "TLS_FAILED")
     info, retry = _detail(error, "google.rpc.ErrorInfo"), _detail(error, "google.rpc.RetryInfo")

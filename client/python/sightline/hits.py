@@ -20,8 +20,10 @@ NameLookup = Callable[[np.ndarray, int], "Dict[int, str]"]
 class _Answer:
     """What all answers have: the revision, its token, statistics, the columns that were asked for."""
 
+    _T, _ROW = "t", "ray"  # what the column t and a row are called
+
     def __init__(self, shape: Tuple[int, ...], columns: "Dict[str, np.ndarray]", revision: int, token: str,
-                 stats: "Dict[str, int]", rays: Optional[Rays], names: NameLookup):
+                 stats: "Dict[str, int]", rays: Any, names: NameLookup):
         self.shape = shape  #: leading shape of the rays
         self.revision = revision  #: the revision of the scene that answered
         self.token = token  #: that revision's token, for `at_least`
@@ -34,7 +36,8 @@ class _Answer:
     def _column(self, name: str) -> np.ndarray:
         column = self._columns.get(name)
         if column is None:
-            raise AttributeError(f"{name} was not asked for: name it in fields, or cast with another kind")
+            raise AttributeError(f"{self._T if name == 't' else name} was not asked for: name it in fields, or ask with "
+                                 "another kind")
         return column
 
     def _shaped(self, column: np.ndarray) -> np.ndarray:
@@ -103,7 +106,7 @@ class _Answer:
             elif name == "position" and column is not None:
                 table.update(x=column[:, 0], y=column[:, 1], z=column[:, 2])
             elif column is not None:
-                table[name] = column
+                table[self._T if name == "t" else name] = column
         return table
 
 
@@ -117,7 +120,7 @@ class Hits(_Answer):
         return self.shape[0] if self.shape else 1
 
     def __repr__(self) -> str:
-        return f"<Hits of {self.stats.get('rays', 0)} rays: {self.stats.get('hits', 0)} hit, " \
+        return f"<{type(self).__name__} of {self.stats.get('rays', 0)} {self._ROW}s: {self.stats.get('hits', 0)} hit, " \
                f"{self.stats.get('invalid', 0)} invalid, revision {self.revision}>"
 
     @property
@@ -165,7 +168,7 @@ class Hits(_Answer):
         return self._ends(rays.origins, rays.directions)
 
     def to_pandas(self) -> Any:
-        """A DataFrame with a row for each ray, in the order of the flattened rays."""
+        """A DataFrame with a row for each ray or point, in the order of the flattened ones."""
         import pandas
 
         table = self._table()
@@ -173,7 +176,7 @@ class Hits(_Answer):
             if name in self._columns:
                 table[name] = self._columns[name]
         table["hit"] = self.hit.reshape(-1)
-        index = pandas.RangeIndex(len(table["hit"]), name="ray")
+        index = pandas.RangeIndex(len(table["hit"]), name=self._ROW)
         return pandas.DataFrame(table, index=index)
 
 
@@ -235,13 +238,14 @@ class AllHits(_Answer):
         return int(self.offset[-1])
 
     def __repr__(self) -> str:
-        return f"<AllHits of {len(self.offset) - 1} rays: {len(self)} hits, revision {self.revision}>"
+        return f"<{type(self).__name__} of {len(self.offset) - 1} {self._ROW}s: {len(self)} hits, " \
+               f"revision {self.revision}>"
 
     def to_pandas(self) -> Any:
-        """A DataFrame with a row for each hit; `ray` is the index of the flattened ray."""
+        """A DataFrame with a row for each hit; `ray` (or `point`) is the index of the flattened ray (or point)."""
         import pandas
 
-        return pandas.DataFrame({"ray": self.ray, **self._table()})
+        return pandas.DataFrame({self._ROW: self.ray, **self._table()})
 
 
 def empty_columns(names: "Tuple[str, ...]", rows: int) -> "Dict[str, np.ndarray]":

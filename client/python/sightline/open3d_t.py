@@ -12,6 +12,7 @@ import numpy as np
 from ._meshes_of import OwnScene
 from ._pinhole import intrinsic_rays, look_at
 from .client import Client
+from .hits import Hits
 
 _INVALID_ID = 0xFFFFFFFF
 
@@ -50,12 +51,9 @@ class RaycastingScene:
         """What rays (..., 6) hit first: t_hit (...) float32, +inf for none; geometry_ids, primitive_ids (...) uint32,
         INVALID_ID for none; primitive_uvs (..., 2), primitive_normals (..., 3) float32."""
         hits = self._own.scene.cast(_array(rays))
-        missed = ~hits.hit
-        primitive = hits.primitive.copy()
-        primitive[missed] = _INVALID_ID
         wrap = _wrapper(rays)
         return {"t_hit": wrap(_distances(hits.t)), "geometry_ids": wrap(self._geometry(hits.node)),
-                "primitive_ids": wrap(primitive), "primitive_uvs": wrap(hits.uv),
+                "primitive_ids": wrap(_or_invalid(hits)), "primitive_uvs": wrap(hits.uv),
                 "primitive_normals": wrap(hits.normal)}
 
     def test_occlusions(self, rays: Any, tnear: float = 0.0, tfar: float = float("inf"), nthreads: int = 0) -> Any:
@@ -101,17 +99,27 @@ class RaycastingScene:
             return wrap(look_at(*arguments, **named))
         return wrap(intrinsic_rays(*arguments, **named))
 
-    def compute_closest_points(self, *_: Any, **__: Any) -> Any:
-        """Raises NotImplementedError."""
-        raise _no_distances("compute_closest_points")
+    def compute_closest_points(self, query_points: Any, nthreads: int = 0) -> Dict[str, Any]:
+        """What is nearest to points (..., 3): points (..., 3) float32 on the surface, NaN where there is none;
+        geometry_ids, primitive_ids (...) uint32, INVALID_ID for none; primitive_uvs (..., 2), primitive_normals
+        (..., 3) float32."""
+        near = self._own.scene.closest(_array(query_points), fields=("position", "node", "primitive", "uv", "normal"))
+        wrap = _wrapper(query_points)
+        return {"points": wrap(near.position.astype(np.float32)), "geometry_ids": wrap(self._geometry(near.node)),
+                "primitive_ids": wrap(_or_invalid(near)), "primitive_uvs": wrap(near.uv),
+                "primitive_normals": wrap(near.normal)}
 
-    def compute_distance(self, *_: Any, **__: Any) -> Any:
-        """Raises NotImplementedError."""
-        raise _no_distances("compute_distance")
+    def compute_distance(self, query_points: Any, nthreads: int = 0) -> Any:
+        """float32 (...): the distance of points (..., 3) from the surface; +inf where there is none, NaN of a point
+        that is not finite."""
+        near = self._own.scene.closest(_array(query_points), fields=("distance",))
+        with np.errstate(over="ignore"):
+            return _wrapper(query_points)(near.distance.astype(np.float32))
 
     def compute_signed_distance(self, *_: Any, **__: Any) -> Any:
         """Raises NotImplementedError."""
-        raise _no_distances("compute_signed_distance")
+        raise NotImplementedError("compute_signed_distance: Sightline has no signed distances; compute_distance and "
+                                  "compute_occupancy are there")
 
     def _geometry(self, node: np.ndarray) -> np.ndarray:
         """Geometry ids of nodes."""
@@ -124,8 +132,9 @@ def _probes(count: int) -> np.ndarray:
     return np.random.default_rng(count).standard_normal((count, 3)).astype(np.float32)
 
 
-def _no_distances(name: str) -> NotImplementedError:
-    return NotImplementedError(f"{name}: Sightline answers rays, and has no queries of closest points or distances")
+def _or_invalid(hits: Hits) -> np.ndarray:
+    """uint32, faces of hits, INVALID_ID for none."""
+    return np.where(hits.hit, hits.primitive, np.uint32(_INVALID_ID))
 
 
 def _distances(t: np.ndarray) -> np.ndarray:

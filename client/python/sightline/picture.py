@@ -89,7 +89,8 @@ def render(scene: "Scene", size: Any, eye: Any = None, at: Any = None, up: Any =
     upward = np.cross(right, forward)
     pinhole = _proto.Pinhole(eye=origin, corner=forward + upward * half - right * half_width,
                              across=2 * half_width * right, down=-2 * half * upward, width=width, height=height)
-    query = _query.describe(scene.name, "closest", (*_query.GEOMETRY, *fields), None, None, 0, (), 0, at_least, revision)
+    query = _query.describe(_query.RAYS, scene.name, "closest", (*_query.GEOMETRY, *fields), None, None, 0, (), 0, at_least,
+                            revision)
     hits = _caster.cast_generated(scene._connection, query, _proto.RayGenerator(pinhole=pinhole), (height, width),
                                   timeout, scene._names)
     return Picture(_shade(hits, forward), hits)

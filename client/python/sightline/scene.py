@@ -1,4 +1,4 @@
-"""A scene: its rays, its nodes, its revisions."""
+"""A scene: its rays, its closest points, its nodes, its revisions."""
 
 from __future__ import annotations
 
@@ -13,14 +13,16 @@ from . import _proto, _query, updates
 from ._caster import Caster
 from ._connection import Connection
 from ._lattice import Placement
-from ._precision import warn_of_origins
+from ._precision import warn_of_origins, warn_of_points
 from ._progress import reporter
 from .batch import Batch, apply
 from .hierarchy import add_hierarchy, is_hierarchy
 from .hits import AllHits, Hits
 from .meshes import as_mesh, upload
 from .nodes import Node, patches, translation
+from .nearest import AllNearest, Nearest
 from .picture import Picture, render
+from .points import PointGrid, as_points, check_bounds
 from .rays import as_rays
 from .update_stream import UpdateStream
 from .watch import Change, watch
@@ -88,7 +90,7 @@ class Scene:
         """Deletes the scene with all its nodes."""
         self.client.delete_scene(self.name)
 
-    # ---- rays
+    # ---- rays and points
 
     def cast(self, rays: Any = None, *, origins: Any = None, directions: Any = None, tmin: Any = None,
              tmax: Any = None, masks: Any = None, kind: str = "closest", fields: Optional[Iterable[str]] = None,
@@ -123,19 +125,62 @@ class Scene:
         as invalid, and fails nothing. Warnings: PrecisionWarning, origins are float32 and so far out that float32 does not
         hold them well.
         """
-        query = _query.describe(self.name, kind, fields, build, cull, updates.ids([under])[0], updates.ids(exclude),
-                                max_hits, at_least, revision, time_budget, allow_partial)
-        caster = Caster(self._connection, self.client.max_rays_per_request(), query, timeout, self._names,
-                        functools.partial(warn_of_origins, self))
+        query = _query.describe(_query.RAYS, self.name, kind, fields, build, cull, updates.ids([under])[0],
+                                updates.ids(exclude), max_hits, at_least, revision, time_budget, allow_partial)
+        caster = self._caster(query, timeout, warn_of_origins)
         if hasattr(rays, "__next__"):
-            return self._cast_iterator(caster, rays, progress)
+            return self._cast_iterator(caster, map(as_rays, rays), progress, "rays")
         batch = as_rays(rays, origins, directions, tmin, tmax, masks)
         with reporter(progress, batch.count) as report:
             return caster.cast(batch, report)
 
-    def _cast_iterator(self, caster: Caster, batches: Iterator[Any],
-                       progress: Any) -> "Iterator[Union[Hits, AllHits]]":
-        with reporter(progress, None) as report:
+    def closest(self, points: Any, max_distance: Any = None, *, masks: Any = None, kind: str = "closest",
+                fields: Optional[Iterable[str]] = None, build: Optional[str] = None, under: AnyNode = 0,
+                exclude: Iterable[AnyNode] = (), max_hits: int = 0, at_least: Optional[str] = None,
+                revision: Optional[int] = None, timeout: Optional[float] = None,
+                progress: Union[bool, Callable[[int, Optional[int]], Any]] = False,
+                time_budget: Optional[float] = None, allow_partial: bool = False) -> Any:
+        """The faces that are nearest to points.
+
+        points: real (..., 3), with which max_distance and masks (...) are broadcast; float32 is sent as it is, all else
+        as float64. max_distance, in the scene's units: a face at exactly this distance counts, and none does below 0;
+        None: any distance. Or a sightline.PointGrid, whose points the server makes. Or an iterator of such arrays (or
+        of sightline.Points): the answer is then an iterator, as of cast(), and max_distance and masks go with each
+        array.
+
+        kind: "closest" (the face with the least (distance, node, primitive)), "any" (only whether a face is within
+        max_distance), "count" (how many are), "all" (each of them, near to far). max_hits: for "all", the nearest faces
+        of a point, at most 16,384: k of them are its k nearest; 0: all within max_distance, up to 16,384, and a warning
+        says how many points have more. fields: of distance node primitive uv normal position hit work name; None: the
+        first six for closest and all. Answers with node have names, also where these are not named; positions must be.
+        build, under, exclude, at_least, revision, timeout, progress, time_budget, allow_partial: as for cast().
+
+        The distance is that from a point to a face as it stands in the scene, rounded once to double; a face without
+        area is the segment or the point that it is. Returns Nearest, or AllNearest for "all", with the leading shape of
+        the points. Errors: as of cast(), and FailedPrecondition (the server shares its scenes with others),
+        Unimplemented (it is of a version without this query). A point or a max_distance that is NaN, or a point that is
+        infinite, is answered as invalid, and fails nothing. Warnings: PrecisionWarning, points are float32 and so far
+        out that float32 does not hold them well.
+        """
+        query = _query.describe(_query.POINTS, self.name, kind, fields, build, None, updates.ids([under])[0],
+                                updates.ids(exclude), max_hits, at_least, revision, time_budget, allow_partial)
+        caster = self._caster(query, timeout, warn_of_points)
+        if hasattr(points, "__next__"):
+            batches = (as_points(part, max_distance, masks) for part in points)
+            return self._cast_iterator(caster, batches, progress, "points")
+        if isinstance(points, PointGrid):
+            check_bounds(points, max_distance, masks)
+        batch = points if isinstance(points, PointGrid) else as_points(points, max_distance, masks)
+        with reporter(progress, batch.count, "points") as report:
+            return caster.cast(batch, report)
+
+    def _caster(self, query: Any, timeout: Optional[float], check: "Callable[[Scene, Any, str], None]") -> Caster:
+        return Caster(self._connection, self.client.max_rays_per_request(), query, timeout, self._names,
+                      functools.partial(check, self))
+
+    def _cast_iterator(self, caster: Caster, batches: Iterator[Any], progress: Any,
+                       unit: str) -> "Iterator[Union[Hits, AllHits, Nearest, AllNearest]]":
+        with reporter(progress, None, unit) as report:
             yield from caster.cast_batches(batches, report)
 
     def render(self, size: Any = (640, 480), **options: Any) -> Picture:
