@@ -34,9 +34,12 @@ double largest(const accel::geometry::Vec3d& v) {
   return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
 }
 
-/// Sets the transform and its error; false if the instance is to be entered.
-bool set_transform(const Instance& instance, const model::Affine& world,
-                   const accel::geometry::Vec3d& center, double size, FlatPart& part) {
+/// Sets the instance's transform, that of the part, and its error; false if the instance is to be
+/// entered.
+bool set_transform(const Instances& instances, const Instance& instance, double size,
+                   model::Affine& world, FlatPart& part) {
+  const accel::geometry::Vec3d& center = instances.center();
+  world = instances.world_from_local(instance);
   const double condition = model::condition(world, instance.local_from_world);
   if (!(condition <= kMostCondition)) return false;
   model::Affine centered = world;
@@ -84,7 +87,6 @@ std::unique_ptr<const FlatScene> FlatScene::make(const Instances& instances,
   const double size =
       static_cast<double>(accel::wide::largest_coordinate(frame.bounds) / frame.scale);
   auto made = std::make_unique<FlatScene>();
-  made->transforms_.reserve(instances.size());
   std::vector<FlatPart> parts;
   std::vector<Reference> entered;
   std::uint64_t faces = 0;
@@ -92,11 +94,10 @@ std::unique_ptr<const FlatScene> FlatScene::make(const Instances& instances,
     const Instance& instance = instances[i];
     if (instance.mask == 0) continue;
     const model::Mesh& mesh = *instance.mesh;
-    const model::Affine world = instances.world_from_local(instance);
+    model::Affine world;
     FlatPart part;
     if ((uses[&mesh] == 1 || mesh.triangles() <= kSmallMesh) && mesh.is_resident() &&
-        mesh.builder().whole == nullptr &&
-        set_transform(instance, world, instances.center(), size, part)) {
+        mesh.builder().whole == nullptr && set_transform(instances, instance, size, world, part)) {
       part.placed.mesh = mesh.view();
       part.placed.local_from_scene = &instance.local_from_world.m;
       part.placed.scene_from_local = &made->transforms_.emplace_back(world).m;
@@ -124,7 +125,7 @@ std::unique_ptr<const FlatScene> FlatScene::make(const Instances& instances,
 }
 
 std::uint64_t FlatScene::bytes() const {
-  return triangles_->bytes() + transforms_.capacity() * sizeof(model::Affine) +
+  return triangles_->bytes() + transforms_.size() * sizeof(model::Affine) +
          (entered_ == nullptr ? 0 : entered_->tree().bytes()) +
          boxes_.capacity() * sizeof(Reference);
 }

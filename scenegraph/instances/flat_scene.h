@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <unordered_set>
 #include <vector>
@@ -44,7 +45,7 @@ class FlatScene {
   void add_entered(std::vector<accel::kdtree::Reference> boxes,
                    accel::kdtree::BuildCounters& built);
 
-  std::vector<model::Affine> transforms_;  // of flat instances, to the scene
+  std::deque<model::Affine> transforms_;  // of flat instances, to the scene; others point to them
   std::unique_ptr<const accel::mesh::FlatTree> triangles_;
   std::unordered_set<const model::Mesh*> meshes_;
   std::vector<accel::kdtree::Reference> boxes_;

@@ -11,7 +11,7 @@
 namespace sightline::accel::geometry {
 namespace {
 
-constexpr std::array<double, 12> kIdentity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+constexpr std::array<double, 12> kNoTransform = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
 class EveryFamily : public testing::TestWithParam<ClosestFamily> {};
 
@@ -59,17 +59,17 @@ TEST(Closest, IsZeroOnTheFaceAndNowhereElse) {
     }
   }
   const Vec3f a{0, 0, 0}, b{1, 0, 0}, c{0, 1, 0};
-  EXPECT_EQ(distance({0.25, 0.25, 0x1p-250}, kIdentity, a, b, c), 0x1p-250);
-  EXPECT_EQ(distance({0.25, 0.25, 0x1p-251}, kIdentity, a, b, c), 0.0);
-  EXPECT_EQ(distance({-0x1p-250, 0.25, 0}, kIdentity, a, b, c), 0x1p-250);
+  EXPECT_EQ(distance({0.25, 0.25, 0x1p-250}, kNoTransform, a, b, c), 0x1p-250);
+  EXPECT_EQ(distance({0.25, 0.25, 0x1p-251}, kNoTransform, a, b, c), 0.0);
+  EXPECT_EQ(distance({-0x1p-250, 0.25, 0}, kNoTransform, a, b, c), 0x1p-250);
 }
 
 TEST(Closest, TiesGoToTheEvenNeighbour) {
   const Vec3f a{-0.5f, 0, 0}, b{-0.5f, 1, 0}, c{-0.5f, 0, 1};
-  EXPECT_EQ(distance({0x1p+52 + 1, 0.25, 0.25}, kIdentity, a, b, c), 0x1p+52 + 2);
-  EXPECT_EQ(distance({0x1p+52 + 2, 0.25, 0.25}, kIdentity, a, b, c), 0x1p+52 + 2);
-  EXPECT_EQ(distance({0x1p+52 + 1, 0, 0}, kIdentity, a, a, a), 0x1p+52 + 2);
-  EXPECT_EQ(distance({0x1p+52 + 2, 0, 0.5}, kIdentity, a, a, c), 0x1p+52 + 2);
+  EXPECT_EQ(distance({0x1p+52 + 1, 0.25, 0.25}, kNoTransform, a, b, c), 0x1p+52 + 2);
+  EXPECT_EQ(distance({0x1p+52 + 2, 0.25, 0.25}, kNoTransform, a, b, c), 0x1p+52 + 2);
+  EXPECT_EQ(distance({0x1p+52 + 1, 0, 0}, kNoTransform, a, a, a), 0x1p+52 + 2);
+  EXPECT_EQ(distance({0x1p+52 + 2, 0, 0.5}, kNoTransform, a, a, c), 0x1p+52 + 2);
 }
 
 TEST(Closest, RangesOfDoublesAreNotLeft) {
@@ -86,11 +86,11 @@ TEST(Closest, RangesOfDoublesAreNotLeft) {
 
 TEST(Closest, FacesWithoutAreaAreSegmentsAndPoints) {
   const Vec3f a{0, 0, 0}, b{4, 0, 0}, c{2, 0, 0};
-  EXPECT_EQ(distance({1, 3, 0}, kIdentity, a, b, c), 3);
-  EXPECT_EQ(distance({7, 4, 0}, kIdentity, c, a, b), 5);
-  EXPECT_EQ(distance({5, 0, 0}, kIdentity, c, c, c), 3);
-  EXPECT_EQ(distance({3, 0, 2}, kIdentity, a, b, b), 2);
-  const ClosestPoint half = closest_point({3, 0, 2}, kIdentity, a, b, b);
+  EXPECT_EQ(distance({1, 3, 0}, kNoTransform, a, b, c), 3);
+  EXPECT_EQ(distance({7, 4, 0}, kNoTransform, c, a, b), 5);
+  EXPECT_EQ(distance({5, 0, 0}, kNoTransform, c, c, c), 3);
+  EXPECT_EQ(distance({3, 0, 2}, kNoTransform, a, b, b), 2);
+  const ClosestPoint half = closest_point({3, 0, 2}, kNoTransform, a, b, b);
   EXPECT_EQ(half.position, (Vec3d{3, 0, 0}));
   EXPECT_EQ(half.u, 0.75);
   EXPECT_EQ(half.v, 0);

@@ -10,6 +10,7 @@
 #include "server/codec/update_codec.h"
 #include "server/exec/admission.h"
 #include "server/exec/memory_account.h"
+#include "server/queries/batch_rays.h"
 #include "server/queries/cast_query.h"
 #include "server/queries/generator_codec.h"
 #include "server/queries/ray_codec.h"
@@ -100,6 +101,17 @@ Wrong check_mesh(const std::string& bytes, std::uint64_t cut) {
   return std::nullopt;
 }
 
+/// Reads all points as a server does.
+Wrong check_points(const v1::QueryPointsRequest& request) {
+  server::queries::BatchRays batch;
+  if (!batch.begin(request)) return std::nullopt;
+  std::vector<accel::geometry::Ray> rays(batch.size());
+  batch.decode(0, rays);
+  std::vector<double> made;
+  const auto view = batch.view(0, batch.size(), made);
+  return view.size == rays.size() ? std::nullopt : Wrong("a view of other points");
+}
+
 Wrong check_batch(const v1::UpdateBatch& batch) {
   server::exec::Admission admission({}), batch_admission({});
   server::exec::Quotas quotas({});
@@ -115,6 +127,10 @@ Wrong check_message(const google::protobuf::Message& message) {
     static_cast<void>(server::queries::decode_query(*cast, scenegraph::Growth::kFirstTouch));
     if (Wrong wrong = check_names(cast->consistency().SerializeAsString())) return wrong;
     return cast->has_generator() ? check_generator(cast->generator()) : check_rays(cast->rays());
+  }
+  if (const auto* points = dynamic_cast<const v1::QueryPointsRequest*>(&message)) {
+    static_cast<void>(server::queries::decode_query(*points, scenegraph::Growth::kFirstTouch));
+    return check_points(*points);
   }
   if (const auto* apply = dynamic_cast<const v1::ApplyUpdatesRequest*>(&message))
     return check_updates(apply->updates());

@@ -89,6 +89,8 @@ class Target {
       create->mutable_scene()->set_name(kKept);
     } else if (auto* stream = dynamic_cast<v1::StreamCastRaysRequest*>(typed.get())) {
       stream->mutable_request()->set_scene(kKept);
+    } else if (auto* points = dynamic_cast<v1::StreamQueryPointsRequest*>(typed.get())) {
+      points->mutable_request()->set_scene(kKept);
     } else if (field != nullptr) {
       typed->GetReflection()->SetString(typed.get(), field, kKept);
     }

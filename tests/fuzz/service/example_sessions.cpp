@@ -121,6 +121,45 @@ v1::CastRaysRequest query(v1::QueryKind kind) {
   return request;
 }
 
+v1::QueryPointsRequest points(v1::QueryKind kind) {
+  v1::QueryPointsRequest request;
+  request.set_scene(kScene);
+  request.set_kind(kind);
+  request.add_exclude(2);
+  request.mutable_points()->set_float64(true);
+  request.mutable_points()->set_positions(bytes_of<double>({0.5, 0.25, 5, 3, 3, 3}));
+  request.mutable_points()->set_max_distance(bytes_of<double>({9, 2}));
+  return request;
+}
+
+v1::QueryPointsRequest grid() {
+  v1::QueryPointsRequest request;
+  request.set_scene(kScene);
+  v1::PointGrid& of = *request.mutable_grid();
+  for (const double x : {0.0, 0.5, 1.0}) {
+    of.add_origin(x);
+    of.add_across(1 - x);
+    of.add_down(x);
+  }
+  of.set_columns(3);
+  of.set_rows(2);
+  return request;
+}
+
+std::vector<FuzzCall> queries_of_points() {
+  std::vector<FuzzCall> made;
+  for (const v1::QueryKind kind :
+       {v1::QUERY_KIND_CLOSEST, v1::QUERY_KIND_ANY, v1::QUERY_KIND_COUNT, v1::QUERY_KIND_ALL})
+    made.push_back(call("QueryPoints", {points(kind).SerializeAsString()}));
+  made.push_back(call("QueryPoints", {grid().SerializeAsString()}));
+  made.push_back(
+      call("StreamQueryPoints", {message<v1::StreamQueryPointsRequest>([](auto& request) {
+             request.set_chunk(1);
+             *request.mutable_request() = points(v1::QUERY_KIND_ALL);
+           })}));
+  return made;
+}
+
 std::vector<FuzzCall> casts() {
   std::vector<FuzzCall> made;
   for (const v1::QueryKind kind :
@@ -210,6 +249,7 @@ Session join(std::initializer_list<std::vector<FuzzCall>> parts) {
 
 std::vector<Session> example_sessions() {
   return {join({{create(), upload(), apply()}, casts()}),
+          join({{create(), upload(), apply()}, queries_of_points()}),
           join({{create(), upload(), apply(), stream_updates()}, reads(), {put_scene(), remove()}}),
           join({{create(), stream_updates(), apply(), remove(), stream_updates()}})};
 }

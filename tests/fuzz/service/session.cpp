@@ -63,6 +63,10 @@ const std::vector<const pb::MethodDescriptor*>& methods() {
           found->push_back(file->service(s)->method(m));
       }
     }
+    // These came later: kept sessions name the others by their numbers.
+    std::stable_partition(found->begin(), found->end(), [](const pb::MethodDescriptor* method) {
+      return method->name() != "QueryPoints" && method->name() != "StreamQueryPoints";
+    });
     return found;
   }();
   return *all;
