@@ -15,8 +15,6 @@
 namespace sightline::accel::wide {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 /// A packet of points in a tree, and what it refers to.
 struct Points {
   GivenRays given;
@@ -79,9 +77,9 @@ TEST(FloatPoints, AreNearABoxUnlessItIsBeyondTheBestDistance) {
     prepare(points.packet, frame_of({{-1, -1, -1}, {1, 1, 1}}), 0xffff);
     geometry::Aabb box;
     for (int i = 0; i < 2; ++i) {
-      box.grow({static_cast<float>(random.uniform(-1, 1)),
-                static_cast<float>(random.uniform(-1, 1)),
-                static_cast<float>(random.uniform(-1, 1))});
+      box.grow(geometry::Vec3f{static_cast<float>(random.uniform(-1, 1)),
+                               static_cast<float>(random.uniform(-1, 1)),
+                               static_cast<float>(random.uniform(-1, 1))});
     }
     const std::uint32_t near = meeting(points.packet, box, 0xffff);
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
@@ -109,7 +107,7 @@ TEST(FloatPoints, HaveNoLimitWhereFloatsCannotSeeThem) {
   points.best.t.fill(0.5);
   EXPECT_EQ(prepare(points.packet, frame_of({{-1, -1, -1}, {1, 1, 1}}), 3), 1u);
   EXPECT_EQ(points.packet.floats.high[0], std::numeric_limits<float>::infinity());
-  EXPECT_EQ(local_limit(points.packet, 0), kInfinity);
+  EXPECT_EQ(local_limit(points.packet, 0), geometry::kInfinity);
   EXPECT_NEAR(points.packet.floats.high[1], 0.5f, 1e-6f);
 }
 
