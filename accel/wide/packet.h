@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -156,6 +157,8 @@ struct Packet {
   /// t the distance, and `rays` has the points as origins, and limits. Null for rays.
   const GivenRays* points = nullptr;
   FloatPoints near;  ///< For points.
+  /// Once true, a point that is as far from many faces stops soon. Null: never.
+  const std::atomic<bool>* cancelled = nullptr;
   /// The transforms of the mesh that points are in, and back; null in trees of the scene.
   const Matrix *scene_from_local = nullptr, *local_from_scene = nullptr;
   geometry::Culling culling = geometry::Culling::kNone;

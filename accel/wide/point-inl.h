@@ -106,6 +106,11 @@ class Point {
     const std::uint32_t* const words = entry.at.block();
     const blocks::Block block(words);
     triangles_ += block.triangles;
+    // A point in the middle of a sphere visits all of it.
+    constexpr std::uint32_t kBlocksPerLook = 64;
+    if (++blocks_ % kBlocksPerLook == 0 && packet_.cancelled != nullptr &&
+        packet_.cancelled->load(std::memory_order_relaxed))
+      packet_.stopped = true;
     const FloatPoints& near = packet_.near;
     const Floats unit = Floats::set(near.unit[lane_]), per_unit = Floats::set(near.per_unit[lane_]);
     std::array<GatheredAxis, 3> axes;
@@ -197,6 +202,7 @@ class Point {
   const std::size_t lane_;
   std::array<Boxes, 3> at_, off_;
   std::uint64_t nodes_ = 0, triangles_ = 0;
+  std::uint32_t blocks_ = 0;
 };
 
 }  // namespace HWY_NAMESPACE

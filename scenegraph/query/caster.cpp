@@ -51,6 +51,7 @@ Caster::Caster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees, 
     packet->best = &best_;
     packet->goal = goal(kind);
     packet->points = options.points ? &given_ : nullptr;
+    packet->cancelled = options.cancelled;
   }
   if (!options.points) scene_.culling = mesh_.culling = options.culling;
   mesh_.scene_from_local = &world_from_local_.m;
