@@ -17,9 +17,17 @@
 
 namespace sightline::client {
 
+/// Which optional columns the rays of a stream have.
+struct RayShape {
+  bool interval = false;  ///< tmin and tmax
+  bool masks = false;
+};
+
 /// Rays as columns of arrays, one row per ray. Scalar is `float` or `double`, const for reading.
 template <class Scalar>
 struct RayColumns {
+  using Value = Scalar;
+  using Shape = RayShape;
   using Mask = std::conditional_t<std::is_const_v<Scalar>, const std::uint32_t, std::uint32_t>;
 
   std::span<Scalar> origins;     ///< (n, 3)
@@ -169,17 +177,13 @@ inline constexpr std::size_t kRaysPerMessage = 8192;
 inline constexpr std::size_t kGeneratedRaysPerMessage = 16384;
 inline constexpr std::size_t kMessagesInFlight = 4;
 
-/// Which optional columns the rays of a stream have.
-struct RayShape {
-  bool interval = false;  ///< tmin and tmax
-  bool masks = false;
-};
-
-/// Writes the next k rays into the first rows of `buffer`, which has kRaysPerMessage rows, and
+/// Writes the next k rows into the first rows of `buffer`, which has kRaysPerMessage rows, and
 /// returns k. 0 ends the stream. An error also ends it, and the cast returns it. Called in order,
-/// on a thread of the cast.
+/// on a thread of the cast. Columns are RayColumns or PointColumns.
+template <class Columns>
+using RowSource = std::function<Result<std::size_t>(const Columns& buffer)>;
 template <class Scalar>
-using RaySource = std::function<Result<std::size_t>(const RayColumns<Scalar>& buffer)>;
+using RaySource = RowSource<RayColumns<Scalar>>;
 
 /// Takes the answers to `count` rays, beginning with ray `first`, in order, on the calling thread.
 /// For kAll they have `offsets` and `hit`. An error ends the cast, which returns it.

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "client/calls/apply.h"
-#include "client/calls/cast.h"
 #include "client/calls/channel_credentials.h"
 #include "client/calls/connection.h"
 #include "client/calls/prefetch.h"
@@ -249,55 +248,6 @@ Result<PrefetchReport> Client::prefetch_rays(const std::string& scene,
                                              const PrefetchOptions& options,
                                              const PrefetchProgress& progress) const {
   return calls::prefetch_rays(*connection_, scene, generator, options, progress);
-}
-
-Result<CastReport> Client::cast(const std::string& scene, const RayColumns<const double>& rays,
-                                const HitColumns& hits, const CastOptions& options) const {
-  return calls::cast(*connection_, scene, rays, hits, options);
-}
-Result<CastReport> Client::cast(const std::string& scene, const RayColumns<const float>& rays,
-                                const HitColumns& hits, const CastOptions& options) const {
-  return calls::cast(*connection_, scene, rays, hits, options);
-}
-
-Result<CastReport> Client::cast_stream(const std::string& scene,
-                                       const RayColumns<const double>& rays, const HitColumns& hits,
-                                       const CastOptions& options) const {
-  return calls::cast_stream(*connection_, scene, rays, hits, options);
-}
-Result<CastReport> Client::cast_stream(const std::string& scene,
-                                       const RayColumns<const float>& rays, const HitColumns& hits,
-                                       const CastOptions& options) const {
-  return calls::cast_stream(*connection_, scene, rays, hits, options);
-}
-Result<CastReport> Client::cast_stream(const std::string& scene, const RaySource<double>& source,
-                                       RayShape shape, HitFields fields, const HitSink& sink,
-                                       const CastOptions& options) const {
-  return calls::cast_stream(*connection_, scene, source, shape, fields, sink, options);
-}
-Result<CastReport> Client::cast_stream(const std::string& scene, const RaySource<float>& source,
-                                       RayShape shape, HitFields fields, const HitSink& sink,
-                                       const CastOptions& options) const {
-  return calls::cast_stream(*connection_, scene, source, shape, fields, sink, options);
-}
-
-Result<CastReport> Client::cast_stream(const std::string& scene, const RayGenerator& generator,
-                                       const HitColumns& hits, const CastOptions& options) const {
-  return calls::cast_stream(*connection_, scene, generator, hits, options);
-}
-Result<CastReport> Client::cast_stream(const std::string& scene, const RayGenerator& generator,
-                                       HitFields fields, const HitSink& sink,
-                                       const CastOptions& options) const {
-  return calls::cast_stream(*connection_, scene, generator, fields, sink, options);
-}
-
-Result<AllHits> Client::cast_all(const std::string& scene, const RayColumns<const double>& rays,
-                                 HitFields fields, const CastOptions& options) const {
-  return calls::cast_all(*connection_, scene, rays, fields, options);
-}
-Result<AllHits> Client::cast_all(const std::string& scene, const RayColumns<const float>& rays,
-                                 HitFields fields, const CastOptions& options) const {
-  return calls::cast_all(*connection_, scene, rays, fields, options);
 }
 
 }  // namespace sightline::client

@@ -19,6 +19,7 @@
 #include "client/backup.h"
 #include "client/cast_options.h"
 #include "client/mesh_blob.h"
+#include "client/points.h"
 #include "client/prefetch.h"
 #include "client/ray_generator.h"
 #include "client/result.h"
@@ -204,6 +205,44 @@ class Client {
                            HitFields fields, const CastOptions& options = {}) const;
   Result<AllHits> cast_all(const std::string& scene, const RayColumns<const float>& rays,
                            HitFields fields, const CastOptions& options = {}) const;
+
+  /// Finds the face nearest to each point of one batch, in one message at one revision. Fills the
+  /// columns of `hits` that are not empty, one row per point: `t` is the distance, `position` the
+  /// nearest point of the face and `barycentric` its weights. Every kind of query counts the faces
+  /// within a point's max_distance. `options` are those of casts, but for `culling`, which must be
+  /// kNone. Errors: as cast().
+  Result<CastReport> nearest(const std::string& scene, const PointColumns<const double>& points,
+                             const HitColumns& hits, const CastOptions& options = {}) const;
+  Result<CastReport> nearest(const std::string& scene, const PointColumns<const float>& points,
+                             const HitColumns& hits, const CastOptions& options = {}) const;
+
+  /// As nearest(), for any number of points, over one stream as that of cast_stream().
+  Result<CastReport> nearest_stream(const std::string& scene,
+                                    const PointColumns<const double>& points,
+                                    const HitColumns& hits, const CastOptions& options = {}) const;
+  Result<CastReport> nearest_stream(const std::string& scene,
+                                    const PointColumns<const float>& points, const HitColumns& hits,
+                                    const CastOptions& options = {}) const;
+  Result<CastReport> nearest_stream(const std::string& scene, const PointSource<double>& source,
+                                    PointShape shape, HitFields fields, const HitSink& sink,
+                                    const CastOptions& options = {}) const;
+  Result<CastReport> nearest_stream(const std::string& scene, const PointSource<float>& source,
+                                    PointShape shape, HitFields fields, const HitSink& sink,
+                                    const CastOptions& options = {}) const;
+  /// For points that the server makes, so that none are sent. Errors: as make_points().
+  Result<CastReport> nearest_stream(const std::string& scene, const PointGrid& grid,
+                                    const HitColumns& hits, const CastOptions& options = {}) const;
+  Result<CastReport> nearest_stream(const std::string& scene, const PointGrid& grid,
+                                    HitFields fields, const HitSink& sink,
+                                    const CastOptions& options = {}) const;
+
+  /// Returns faces by their distance for any number of points: with options.max_hits k, the k
+  /// nearest; with a max_distance, those that a ball around the point meets. Otherwise as
+  /// cast_all().
+  Result<AllHits> nearest_all(const std::string& scene, const PointColumns<const double>& points,
+                              HitFields fields, const CastOptions& options = {}) const;
+  Result<AllHits> nearest_all(const std::string& scene, const PointColumns<const float>& points,
+                              HitFields fields, const CastOptions& options = {}) const;
 
  private:
   explicit Client(std::unique_ptr<calls::Connection> connection);

@@ -1,9 +1,11 @@
-// Casts rays in one message, or over a stream. Internal to the library.
+// Casts rays, or asks for the faces nearest to points, in one message or over a stream. Internal to
+// the library.
 #pragma once
 
 #include <string>
 
 #include "client/cast_options.h"
+#include "client/points.h"
 #include "client/ray_generator.h"
 #include "client/result.h"
 
@@ -11,30 +13,31 @@ namespace sightline::client::calls {
 
 struct Connection;
 
-// Scalar is float or double.
-template <class Scalar>
-Result<CastReport> cast(const Connection& connection, const std::string& scene,
-                        const RayColumns<const Scalar>& rays, const HitColumns& hits,
-                        const CastOptions& options);
-template <class Scalar>
+// Columns are RayColumns or PointColumns, of const float or const double; those of a source are not
+// const. A generator is a RayGenerator or a PointGrid.
+template <class Columns>
+Result<CastReport> cast(const Connection& connection, const std::string& scene, const Columns& rows,
+                        const HitColumns& hits, const CastOptions& options);
+template <class Columns>
+Result<CastReport> cast_source(const Connection& connection, const std::string& scene,
+                               const RowSource<Columns>& source, typename Columns::Shape shape,
+                               HitFields fields, const HitSink& sink, const CastOptions& options);
+template <class Columns>
 Result<CastReport> cast_stream(const Connection& connection, const std::string& scene,
-                               const RaySource<Scalar>& source, RayShape shape, HitFields fields,
-                               const HitSink& sink, const CastOptions& options);
-template <class Scalar>
-Result<CastReport> cast_stream(const Connection& connection, const std::string& scene,
-                               const RayColumns<const Scalar>& rays, const HitColumns& hits,
+                               const Columns& rows, const HitColumns& hits,
                                const CastOptions& options);
 
-Result<CastReport> cast_stream(const Connection& connection, const std::string& scene,
-                               const RayGenerator& generator, HitFields fields, const HitSink& sink,
-                               const CastOptions& options);
-Result<CastReport> cast_stream(const Connection& connection, const std::string& scene,
-                               const RayGenerator& generator, const HitColumns& hits,
-                               const CastOptions& options);
+template <class Generator>
+Result<CastReport> cast_generated(const Connection& connection, const std::string& scene,
+                                  const Generator& generator, HitFields fields, const HitSink& sink,
+                                  const CastOptions& options);
+template <class Generator>
+Result<CastReport> cast_generated(const Connection& connection, const std::string& scene,
+                                  const Generator& generator, const HitColumns& hits,
+                                  const CastOptions& options);
 
-template <class Scalar>
+template <class Columns>
 Result<AllHits> cast_all(const Connection& connection, const std::string& scene,
-                         const RayColumns<const Scalar>& rays, HitFields fields,
-                         CastOptions options);
+                         const Columns& rows, HitFields fields, CastOptions options);
 
 }  // namespace sightline::client::calls

@@ -14,22 +14,22 @@
 #include <utility>
 
 #include "client/calls/connection.h"
+#include "client/calls/query_calls.h"
 #include "client/calls/retries.h"
 #include "client/wire/cast_codec.h"
 
 namespace sightline::client::calls {
 namespace {
 
-using Stream = grpc::ClientReaderWriter<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse>;
-
 constexpr int kCastAttempts = 4;
 
-void forget_description(v1::CastRaysRequest& request) {
+template <class Request>
+void forget_description(Request& request) {
   request.clear_scene();
   request.clear_fields();
   request.clear_kind();
   request.clear_build();
-  request.clear_culling();
+  CallsOf<Request>::clear_culling(request);
   request.clear_root();
   request.clear_exclude();
   request.clear_max_hits();
@@ -38,14 +38,17 @@ void forget_description(v1::CastRaysRequest& request) {
 
 /// The messages of a cast: from the source, and once more if they were not answered. Threads: the
 /// one that writes; rays() also the one that reads.
+template <class Request>
 class Messages {
  public:
-  explicit Messages(const MessageSource<v1::CastRaysRequest>& source) : source_(source) {}
+  using Message = typename CallsOf<Request>::StreamRequest;
+
+  explicit Messages(const MessageSource<Request>& source) : source_(source) {}
 
   /// Message `number`, with its rays: one of the last kMessagesInFlight, or the next. Null: there
   /// are no more. Errors: those of the source, here and from then on.
-  Result<v1::StreamCastRaysRequest*> get(std::uint64_t number) {
-    v1::StreamCastRaysRequest& message = kept_[number % kMessagesInFlight];
+  Result<Message*> get(std::uint64_t number) {
+    Message& message = kept_[number % kMessagesInFlight];
     if (number < made_) return &message;
     if (ended_) return nullptr;
     const auto count = source_(*message.mutable_request());
@@ -62,17 +65,18 @@ class Messages {
   std::size_t rays(std::uint64_t number) const { return rays_[number % kMessagesInFlight]; }
 
  private:
-  const MessageSource<v1::CastRaysRequest>& source_;
-  std::array<v1::StreamCastRaysRequest, kMessagesInFlight> kept_;
+  const MessageSource<Request>& source_;
+  std::array<Message, kMessagesInFlight> kept_;
   std::array<std::atomic<std::size_t>, kMessagesInFlight> rays_{};
   std::uint64_t made_ = 0;
   bool ended_ = false;
 };
 
 /// Takes the answers in order, those to one message in one or several parts.
+template <class Request>
 class Answers {
  public:
-  Answers(const Messages& messages, HitFields fields, QueryKind kind, const HitSink& sink)
+  Answers(const Messages<Request>& messages, HitFields fields, QueryKind kind, const HitSink& sink)
       : messages_(messages), fields_(fields), kind_(kind), sink_(sink) {}
 
   /// The message that is answered next, wholly or from some ray on.
@@ -84,7 +88,7 @@ class Answers {
   void begin_again() { seen_ = 0; }
 
   /// Returns whether the message is answered.
-  Result<bool> receive(const v1::StreamCastRaysResponse& response) {
+  Result<bool> receive(const typename CallsOf<Request>::StreamResponse& response) {
     if (response.chunk() != message_) {
       return Error{
           Code::kInternal,
@@ -123,7 +127,7 @@ class Answers {
     return sink_(first_ + begin, count, hits);
   }
 
-  const Messages& messages_;
+  const Messages<Request>& messages_;
   const HitFields fields_;
   const QueryKind kind_;
   const HitSink& sink_;
@@ -134,11 +138,11 @@ class Answers {
   std::size_t seen_ = 0;      ///< How many of its rays this stream has answered.
 };
 
+template <class Request>
 class Cast {
  public:
-  Cast(const Connection& connection, std::string scene,
-       const MessageSource<v1::CastRaysRequest>& source, HitFields fields, const HitSink& sink,
-       CastOptions options)
+  Cast(const Connection& connection, std::string scene, const MessageSource<Request>& source,
+       HitFields fields, const HitSink& sink, CastOptions options)
       : connection_(connection),
         scene_(std::move(scene)),
         fields_(fields),
@@ -168,6 +172,10 @@ class Cast {
   }
 
  private:
+  using Calls = CallsOf<Request>;
+  using Stream =
+      grpc::ClientReaderWriter<typename Calls::StreamRequest, typename Calls::StreamResponse>;
+
   /// A replica may not have the revision yet.
   bool may_resume(Code code) const {
     return is_broken_connection(code) || (answers_.has_begun() && code == Code::kOutOfRange);
@@ -181,7 +189,7 @@ class Cast {
     set_route(context, scene_, options_.route_key);
     const std::stop_callback cancel(options_.stop, [&] { context.TryCancel(); });
     connection_.wait_until_connected();
-    const auto stream = connection_.queries->StreamCastRays(&context);
+    const auto stream = Calls::open(*connection_.queries, context);
     answers_.begin_again();
     if (answers_.has_begun())
       options_.consistency = {.at_least = {}, .exact_revision = answers_.report().revision};
@@ -215,7 +223,7 @@ class Cast {
         break;
       }
       if (*message == nullptr) break;
-      v1::CastRaysRequest& request = *(*message)->mutable_request();
+      Request& request = *(*message)->mutable_request();
       if (number == first) wire::describe(scene_, fields_, options_, request);
       set_rest_of_budget(request);
       const bool written = stream.Write(**message);
@@ -226,7 +234,7 @@ class Cast {
   }
 
   /// The time budget is of all messages together.
-  void set_rest_of_budget(v1::CastRaysRequest& request) const {
+  void set_rest_of_budget(Request& request) const {
     if (options_.time_budget.count() == 0) return;
     const auto spent = std::chrono::duration_cast<std::chrono::milliseconds>(
         std::chrono::steady_clock::now() - begun_);
@@ -236,7 +244,7 @@ class Cast {
 
   /// The first wrong answer cancels the call.
   void read(Stream& stream, grpc::ClientContext& context, Window& window) {
-    v1::StreamCastRaysResponse response;
+    typename Calls::StreamResponse response;
     while (stream.Read(&response)) {
       if (failed_) continue;
       const auto is_answered = answers_.receive(response);
@@ -254,8 +262,8 @@ class Cast {
   const HitFields fields_;
   CastOptions options_;
   const std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
-  Messages messages_;
-  Answers answers_;
+  Messages<Request> messages_;
+  Answers<Request> answers_;
   const Retries::Deadline deadline_;
   Retries retries_;
   grpc::Status status_;  // how the last attempt ended
@@ -264,10 +272,19 @@ class Cast {
 
 }  // namespace
 
+template <class Request>
 Result<CastReport> cast_messages(const Connection& connection, const std::string& scene,
-                                 const MessageSource<v1::CastRaysRequest>& source, HitFields fields,
+                                 const MessageSource<Request>& source, HitFields fields,
                                  const HitSink& sink, const CastOptions& options) {
-  return Cast(connection, scene, source, fields, sink, options).run();
+  if (const Status checked = CallsOf<Request>::check(options); !checked) return checked.error();
+  return Cast<Request>(connection, scene, source, fields, sink, options).run();
 }
+
+template Result<CastReport> cast_messages(const Connection&, const std::string&,
+                                          const MessageSource<v1::CastRaysRequest>&, HitFields,
+                                          const HitSink&, const CastOptions&);
+template Result<CastReport> cast_messages(const Connection&, const std::string&,
+                                          const MessageSource<v1::QueryPointsRequest>&, HitFields,
+                                          const HitSink&, const CastOptions&);
 
 }  // namespace sightline::client::calls

@@ -16,8 +16,10 @@ struct Connection;
 /// writes and one reads. If the connection breaks, what was not answered is sent again, over a new
 /// one, to any replica, and answered at the revision of the first answer. Errors: kAborted, the
 /// scene was deleted and made anew meanwhile; kOutOfRange, its revision is not kept any more.
+/// Request is v1::CastRaysRequest or v1::QueryPointsRequest.
+template <class Request>
 Result<CastReport> cast_messages(const Connection& connection, const std::string& scene,
-                                 const MessageSource<v1::CastRaysRequest>& source, HitFields fields,
+                                 const MessageSource<Request>& source, HitFields fields,
                                  const HitSink& sink, const CastOptions& options);
 
 }  // namespace sightline::client::calls

@@ -16,20 +16,20 @@ struct Column {
   std::size_t width;
 };
 
-Status check_column(const Column& column, std::size_t rows) {
-  if (column.values == 0 || column.values == rows * column.width) return {};
+Status check_column(const Column& column, std::size_t count, const char* rows) {
+  if (column.values == 0 || column.values == count * column.width) return {};
   return Error{Code::kInvalidArgument,
-               fmt::format("{} holds {} values, but {} rays need {}", column.name, column.values,
-                           rows, rows * column.width),
+               fmt::format("{} holds {} values, but {} {} need {}", column.name, column.values,
+                           count, rows, count * column.width),
                {}};
 }
 
-Status check_bits(const char* name, std::size_t bytes, std::size_t rays) {
-  if (bytes == 0 || bytes == bits_bytes(rays)) return {};
-  return Error{
-      Code::kInvalidArgument,
-      fmt::format("{} holds {} bytes, but {} rays need {}", name, bytes, rays, bits_bytes(rays)),
-      {}};
+Status check_bits(const char* name, std::size_t bytes, std::size_t count, const char* rows) {
+  if (bytes == 0 || bytes == bits_bytes(count)) return {};
+  return Error{Code::kInvalidArgument,
+               fmt::format("{} holds {} bytes, but {} {} need {}", name, bytes, count, rows,
+                           bits_bytes(count)),
+               {}};
 }
 
 template <class T>
@@ -45,6 +45,34 @@ void copy_bound(std::span<const T> from, std::size_t first, T otherwise, std::sp
   } else {
     copy_rows(from, first, 1, to);
   }
+}
+
+/// The first n rows of a buffer, with the columns that it has.
+template <class Scalar>
+RayColumns<Scalar> first_of(const RayColumns<Scalar>& buffer, std::size_t n) {
+  RayColumns<Scalar> rows{buffer.origins.first(3 * n), buffer.directions.first(3 * n)};
+  if (!buffer.tmin.empty()) rows.tmin = buffer.tmin.first(n);
+  if (!buffer.tmax.empty()) rows.tmax = buffer.tmax.first(n);
+  if (!buffer.masks.empty()) rows.masks = buffer.masks.first(n);
+  return rows;
+}
+
+template <class Scalar>
+PointColumns<Scalar> first_of(const PointColumns<Scalar>& buffer, std::size_t n) {
+  PointColumns<Scalar> rows{buffer.positions.first(3 * n)};
+  if (!buffer.max_distance.empty()) rows.max_distance = buffer.max_distance.first(n);
+  if (!buffer.masks.empty()) rows.masks = buffer.masks.first(n);
+  return rows;
+}
+
+template <class Buffer, class Columns>
+RowSource<Buffer> part_after_part(const Columns& columns) {
+  return [&columns, sent = std::size_t{0}](const Buffer& buffer) mutable -> Result<std::size_t> {
+    const std::size_t n = std::min(buffer.size(), columns.size() - sent);
+    copy_part(columns, sent, first_of(buffer, n));
+    sent += n;
+    return n;
+  };
 }
 
 template <class T>
@@ -75,10 +103,12 @@ HitFields fields_of(const HitColumns& hits) {
 Status check_kind(QueryKind kind) {
   if (kind != QueryKind::kAll) return {};
   return Error{
-      Code::kInvalidArgument, "all hits of a ray do not fit a row: use cast_all, or a sink", {}};
+      Code::kInvalidArgument,
+      "all answers to a ray or a point do not fit a row: use cast_all or nearest_all, or a sink",
+      {}};
 }
 
-Status check_rows(std::size_t n, const HitColumns& hits) {
+Status check_rows(std::size_t n, const HitColumns& hits, const char* rows) {
   for (const Column& column :
        {Column{"t", hits.t.size(), 1}, Column{"node", hits.node.size(), 1},
         Column{"primitive", hits.primitive.size(), 1},
@@ -86,10 +116,11 @@ Status check_rows(std::size_t n, const HitColumns& hits) {
         Column{"hit", hits.hit.size(), 1}, Column{"work", hits.work.size(), 1},
         Column{"count", hits.count.size(), 1}, Column{"position", hits.position.size(), 3},
         Column{"name", hits.name.size(), 1}}) {
-    if (Status checked = check_column(column, n); !checked) return checked;
+    if (Status checked = check_column(column, n, rows); !checked) return checked;
   }
-  if (Status checked = check_bits("hit_bits", hits.hit_bits.size(), n); !checked) return checked;
-  return check_bits("unanswered", hits.unanswered.size(), n);
+  if (Status checked = check_bits("hit_bits", hits.hit_bits.size(), n, rows); !checked)
+    return checked;
+  return check_bits("unanswered", hits.unanswered.size(), n, rows);
 }
 
 template <class Scalar>
@@ -104,13 +135,29 @@ Status check_rows(const RayColumns<const Scalar>& rays, const HitColumns& hits) 
   for (const Column& column :
        {Column{"tmin", rays.tmin.size(), 1}, Column{"tmax", rays.tmax.size(), 1},
         Column{"masks", rays.masks.size(), 1}}) {
-    if (Status checked = check_column(column, n); !checked) return checked;
+    if (Status checked = check_column(column, n, "rays"); !checked) return checked;
   }
   return check_rows(n, hits);
 }
 
 template <class Scalar>
-void copy_rays(const RayColumns<const Scalar>& rays, std::size_t first,
+Status check_rows(const PointColumns<const Scalar>& points, const HitColumns& hits) {
+  constexpr const char* kRows = "points";
+  const std::size_t n = points.size();
+  if (points.positions.size() != 3 * n) {
+    return Error{Code::kInvalidArgument,
+                 fmt::format("positions hold {} values: not 3 a point", points.positions.size()),
+                 {}};
+  }
+  for (const Column& column : {Column{"max_distance", points.max_distance.size(), 1},
+                               Column{"masks", points.masks.size(), 1}}) {
+    if (Status checked = check_column(column, n, kRows); !checked) return checked;
+  }
+  return check_rows(n, hits, kRows);
+}
+
+template <class Scalar>
+void copy_part(const RayColumns<const Scalar>& rays, std::size_t first,
                const RayColumns<Scalar>& buffer) {
   copy_rows(rays.origins, first, 3, buffer.origins);
   copy_rows(rays.directions, first, 3, buffer.directions);
@@ -120,18 +167,21 @@ void copy_rays(const RayColumns<const Scalar>& rays, std::size_t first,
 }
 
 template <class Scalar>
+void copy_part(const PointColumns<const Scalar>& points, std::size_t first,
+               const PointColumns<Scalar>& buffer) {
+  copy_rows(points.positions, first, 3, buffer.positions);
+  if (!buffer.max_distance.empty()) copy_rows(points.max_distance, first, 1, buffer.max_distance);
+  if (!buffer.masks.empty()) copy_rows(points.masks, first, 1, buffer.masks);
+}
+
+template <class Scalar>
 RaySource<Scalar> source_of(const RayColumns<const Scalar>& rays) {
-  return [&rays,
-          sent = std::size_t{0}](const RayColumns<Scalar>& buffer) mutable -> Result<std::size_t> {
-    const std::size_t n = std::min(buffer.size(), rays.size() - sent);
-    RayColumns<Scalar> rows{buffer.origins.first(3 * n), buffer.directions.first(3 * n)};
-    if (!buffer.tmin.empty()) rows.tmin = buffer.tmin.first(n);
-    if (!buffer.tmax.empty()) rows.tmax = buffer.tmax.first(n);
-    if (!buffer.masks.empty()) rows.masks = buffer.masks.first(n);
-    copy_rays(rays, sent, rows);
-    sent += n;
-    return n;
-  };
+  return part_after_part<RayColumns<Scalar>>(rays);
+}
+
+template <class Scalar>
+PointSource<Scalar> source_of(const PointColumns<const Scalar>& points) {
+  return part_after_part<PointColumns<Scalar>>(points);
 }
 
 void copy_hits(const HitView& answers, std::size_t first, const HitColumns& hits) {
@@ -153,9 +203,16 @@ void copy_hits(const HitView& answers, std::size_t first, const HitColumns& hits
 
 template Status check_rows(const RayColumns<const float>&, const HitColumns&);
 template Status check_rows(const RayColumns<const double>&, const HitColumns&);
-template void copy_rays(const RayColumns<const float>&, std::size_t, const RayColumns<float>&);
-template void copy_rays(const RayColumns<const double>&, std::size_t, const RayColumns<double>&);
+template Status check_rows(const PointColumns<const float>&, const HitColumns&);
+template Status check_rows(const PointColumns<const double>&, const HitColumns&);
+template void copy_part(const RayColumns<const float>&, std::size_t, const RayColumns<float>&);
+template void copy_part(const RayColumns<const double>&, std::size_t, const RayColumns<double>&);
+template void copy_part(const PointColumns<const float>&, std::size_t, const PointColumns<float>&);
+template void copy_part(const PointColumns<const double>&, std::size_t,
+                        const PointColumns<double>&);
 template RaySource<float> source_of(const RayColumns<const float>&);
 template RaySource<double> source_of(const RayColumns<const double>&);
+template PointSource<float> source_of(const PointColumns<const float>&);
+template PointSource<double> source_of(const PointColumns<const double>&);
 
 }  // namespace sightline::client::calls

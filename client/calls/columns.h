@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "client/cast_options.h"
+#include "client/points.h"
 #include "client/result.h"
 
 namespace sightline::client::calls {
@@ -13,6 +14,10 @@ template <class Scalar>
 RayShape shape_of(const RayColumns<const Scalar>& rays) {
   return {!rays.tmin.empty() || !rays.tmax.empty(), !rays.masks.empty()};
 }
+template <class Scalar>
+PointShape shape_of(const PointColumns<const Scalar>& points) {
+  return {!points.max_distance.empty(), !points.masks.empty()};
+}
 
 /// The fields of the columns that are not empty.
 HitFields fields_of(const HitColumns& hits);
@@ -20,19 +25,27 @@ HitFields fields_of(const HitColumns& hits);
 /// Errors: kInvalidArgument for kAll, because its answers do not have one row per ray.
 Status check_kind(QueryKind kind);
 
-/// Errors: kInvalidArgument, naming the column, if a column does not have one row per ray.
-Status check_rows(std::size_t rays, const HitColumns& hits);
+/// Errors: kInvalidArgument, naming the column, if a column does not have one row for each of the
+/// `count` rays or points. `rows` is what the message calls them.
+Status check_rows(std::size_t count, const HitColumns& hits, const char* rows = "rays");
 template <class Scalar>
 Status check_rows(const RayColumns<const Scalar>& rays, const HitColumns& hits);
-
-/// Fills all of `buffer` with rays, beginning with ray `first`.
 template <class Scalar>
-void copy_rays(const RayColumns<const Scalar>& rays, std::size_t first,
-               const RayColumns<Scalar>& buffer);
+Status check_rows(const PointColumns<const Scalar>& points, const HitColumns& hits);
 
-/// A source that gives the rays message by message. The columns of `rays` must outlive it.
+/// Fills all of `buffer`, beginning with row `first`.
+template <class Scalar>
+void copy_part(const RayColumns<const Scalar>& rays, std::size_t first,
+               const RayColumns<Scalar>& buffer);
+template <class Scalar>
+void copy_part(const PointColumns<const Scalar>& points, std::size_t first,
+               const PointColumns<Scalar>& buffer);
+
+/// A source that gives the rows message by message. The columns must outlive it.
 template <class Scalar>
 RaySource<Scalar> source_of(const RayColumns<const Scalar>& rays);
+template <class Scalar>
+PointSource<Scalar> source_of(const PointColumns<const Scalar>& points);
 
 /// Copies the answers into the columns, beginning at row `first`: a multiple of 8 if there are
 /// bits.

@@ -21,11 +21,12 @@ namespace {
 
 constexpr std::chrono::milliseconds kConnectWait{1000};
 
-// These calls are safe to repeat. A stream of rays is not: after some answers have come, a second
-// attempt could be answered at another revision.
+// These calls are safe to repeat. A stream of rays or points is not: after some answers have come,
+// a second attempt could be answered at another revision.
 constexpr const char* kRetried = R"("methodConfig": [{
     "name": [
       {"service": "sightline.v1.RayQueryService", "method": "CastRays"},
+      {"service": "sightline.v1.RayQueryService", "method": "QueryPoints"},
       {"service": "sightline.v1.RayQueryService", "method": "Prefetch"},
       {"service": "sightline.v1.SceneService", "method": "GetScene"},
       {"service": "sightline.v1.SceneService", "method": "ListScenes"},

@@ -1,8 +1,9 @@
-// The rays of one message after the other.
+// The rows of one message after the other.
 #include "client/calls/message_source.h"
 
 #include <algorithm>
 #include <cstdint>
+#include <utility>
 
 #include "client/wire/cast_codec.h"
 #include "client/wire/generator_codec.h"
@@ -11,12 +12,43 @@ namespace sightline::client::calls {
 
 namespace v1 = ::sightline::v1;
 
-template <class Request, class Scalar>
-MessageSource<Request> messages_of(const RaySource<Scalar>& source, RayShape shape) {
+namespace {
+
+template <class Request>
+v1::Rays& rows_of(Request& request) {
+  return *request.mutable_rays();
+}
+v1::Points& rows_of(v1::QueryPointsRequest& request) { return *request.mutable_points(); }
+
+/// The `count` rows from `first` on that the message describes. `mutable_message` and `has_message`
+/// are the request's own.
+template <class Request, class Message>
+MessageSource<Request> parts_of(Message message, std::uint64_t first, std::uint64_t count,
+                                Message* (Request::*mutable_message)(),
+                                bool (Request::*has_message)() const) {
+  return [message = std::move(message), mutable_message, has_message, end = first + count,
+          next = first](Request& request) mutable -> Result<std::size_t> {
+    const bool is_described = (request.*has_message)();
+    Message& part = *(request.*mutable_message)();
+    if (!is_described) part = message;
+    const std::uint64_t rows = std::min<std::uint64_t>(end - next, kGeneratedRaysPerMessage);
+    part.set_first(next);
+    part.set_count(rows);
+    next += rows;
+    return rows;
+  };
+}
+
+}  // namespace
+
+template <class Request, class Columns>
+MessageSource<Request> messages_of(const RowSource<Columns>& source,
+                                   typename Columns::Shape shape) {
+  using Scalar = typename Columns::Value;
   return [&source, shape](Request& request) -> Result<std::size_t> {
-    v1::Rays& rays = *request.mutable_rays();
-    auto count = source(wire::resize_columns<Scalar>(kRaysPerMessage, shape, rays));
-    if (count) wire::trim<Scalar>(*count, shape, rays);
+    auto& rows = rows_of(request);
+    auto count = source(wire::resize_columns<Scalar>(kRaysPerMessage, shape, rows));
+    if (count) wire::trim<Scalar>(*count, shape, rows);
     return count;
   };
 }
@@ -27,23 +59,28 @@ Result<MessageSource<Request>> messages_of(const RayGenerator& generator) {
     return Error{Code::kInvalidArgument, problem->message, problem->reason};
   v1::RayGenerator message;
   wire::encode(generator, message);
-  const std::uint64_t end = generator.first + proto::rays::count_of(generator);
-  return MessageSource<Request>(
-      [message, end, next = generator.first](Request& request) mutable -> Result<std::size_t> {
-        if (!request.has_generator()) *request.mutable_generator() = message;
-        const std::uint64_t count = std::min<std::uint64_t>(end - next, kGeneratedRaysPerMessage);
-        request.mutable_generator()->set_first(next);
-        request.mutable_generator()->set_count(count);
-        next += count;
-        return count;
-      });
+  return parts_of<Request>(std::move(message), generator.first, proto::rays::count_of(generator),
+                           &Request::mutable_generator, &Request::has_generator);
+}
+
+template <class Request>
+Result<MessageSource<Request>> messages_of(const PointGrid& grid) {
+  if (const auto problem = proto::rays::check(grid))
+    return Error{Code::kInvalidArgument, problem->message, problem->reason};
+  v1::PointGrid message;
+  wire::encode(grid, message);
+  return parts_of<Request>(std::move(message), grid.first, proto::rays::count_of(grid),
+                           &Request::mutable_grid, &Request::has_grid);
 }
 
 template MessageSource<v1::CastRaysRequest> messages_of(const RaySource<float>&, RayShape);
 template MessageSource<v1::CastRaysRequest> messages_of(const RaySource<double>&, RayShape);
 template MessageSource<v1::PrefetchRequest> messages_of(const RaySource<float>&, RayShape);
 template MessageSource<v1::PrefetchRequest> messages_of(const RaySource<double>&, RayShape);
+template MessageSource<v1::QueryPointsRequest> messages_of(const PointSource<float>&, PointShape);
+template MessageSource<v1::QueryPointsRequest> messages_of(const PointSource<double>&, PointShape);
 template Result<MessageSource<v1::CastRaysRequest>> messages_of(const RayGenerator&);
 template Result<MessageSource<v1::PrefetchRequest>> messages_of(const RayGenerator&);
+template Result<MessageSource<v1::QueryPointsRequest>> messages_of(const PointGrid&);
 
 }  // namespace sightline::client::calls

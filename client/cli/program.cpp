@@ -117,6 +117,7 @@ std::unique_ptr<CLI::App> make_program(Session& session) {
   add_global_flags(program, session);
   verbs::add_scene_verbs(program, session);
   verbs::add_cast_verb(program, session);
+  verbs::add_nearest_verb(program, session);
   verbs::add_rtrace_verb(program, session);
   verbs::add_prefetch_verb(program, session);
   verbs::add_render_verb(program, session);

@@ -171,7 +171,8 @@ void ProgressBar::update_amount(std::uint64_t done, std::uint64_t total, Unit un
   const auto rate = seconds > 0 ? static_cast<std::uint64_t>(static_cast<double>(done) / seconds)
                                 : std::uint64_t{0};
   const auto text = [unit](std::uint64_t amount) {
-    return unit == Unit::kBytes ? format_bytes(amount) : format_count(amount) + " rays";
+    if (unit == Unit::kBytes) return format_bytes(amount);
+    return format_count(amount) + (unit == Unit::kRays ? " rays" : " points");
   };
   update(share(done, total), fmt::format("{}, {}/s", text(done), text(rate)));
 }

@@ -80,7 +80,7 @@ class ProgressBar {
   /// line. Cheap, so it may be called often.
   void update(double fraction, std::string_view detail = {});
 
-  enum class Unit { kBytes, kRays };
+  enum class Unit { kBytes, kRays, kPoints };
   /// Updates the bar with the amount and the rate as detail.
   void update_amount(std::uint64_t done, std::uint64_t total, Unit unit);
 

@@ -19,24 +19,38 @@ std::span<T> resize(std::size_t rows, std::size_t width, std::string& column) {
   return {reinterpret_cast<T*>(column.data()), rows * width};
 }
 
-const std::string* find(const v1::CastRaysResponse& response, v1::HitField field) {
+std::uint64_t first_row(const v1::CastRaysResponse& response) { return response.first_ray(); }
+std::uint64_t first_row(const v1::QueryPointsResponse& response) { return response.first_point(); }
+
+constexpr const char* rows_of(const v1::CastRaysResponse&) { return "rays"; }
+constexpr const char* rows_of(const v1::QueryPointsResponse&) { return "points"; }
+
+void set_culling(Culling culling, v1::CastRaysRequest& request) {
+  request.set_culling(encode(culling));
+}
+void set_culling(Culling, v1::QueryPointsRequest&) {}
+
+template <class Response>
+const std::string* find(const Response& response, v1::HitField field) {
   for (const v1::HitColumn& column : response.columns()) {
     if (column.field() == field) return &column.data();
   }
   return nullptr;
 }
 
-Error incomplete(std::size_t n) {
+template <class Response>
+Error incomplete(const Response& response, std::size_t n) {
   return {Code::kInternal,
-          fmt::format("the server's answer to {} rays lacks a column, or rows of one", n),
+          fmt::format("the server's answer to {} {} lacks a column, or rows of one", n,
+                      rows_of(response)),
           {}};
 }
 
 // Sets `out` to a column if it was requested. Returns false if the answer does not have it with n
 // rows.
-template <class T>
-bool view_column(const v1::CastRaysResponse& response, bool asked, v1::HitField field,
-                 std::size_t values, std::span<const T>& out) {
+template <class T, class Response>
+bool view_column(const Response& response, bool asked, v1::HitField field, std::size_t values,
+                 std::span<const T>& out) {
   if (!asked) return true;
   const std::string* data = find(response, field);
   if (data == nullptr || data->size() != values * sizeof(T)) return false;
@@ -44,14 +58,15 @@ bool view_column(const v1::CastRaysResponse& response, bool asked, v1::HitField 
   return true;
 }
 
-bool view_unanswered(const v1::CastRaysResponse& response, std::size_t n, HitView& hits) {
+template <class Response>
+bool view_unanswered(const Response& response, std::size_t n, HitView& hits) {
   const std::string& bits = response.unanswered();
   hits.unanswered = {reinterpret_cast<const std::uint8_t*>(bits.data()), bits.size()};
   return bits.empty() || bits.size() == bits_bytes(n);
 }
 
-bool view_rays(const v1::CastRaysResponse& response, HitFields fields, std::size_t n,
-               HitView& hits) {
+template <class Response>
+bool view_rays(const Response& response, HitFields fields, std::size_t n, HitView& hits) {
   return view_unanswered(response, n, hits) &&
          view_column(response, fields.hit, v1::HIT_FIELD_HIT, n, hits.hit) &&
          view_column(response, fields.hit_bits, v1::HIT_FIELD_HIT_BITS, bits_bytes(n),
@@ -61,8 +76,8 @@ bool view_rays(const v1::CastRaysResponse& response, HitFields fields, std::size
 }
 
 // Views the names. Returns false also if a row is not one of them.
-bool view_names(const v1::CastRaysResponse& response, HitFields fields, std::size_t n,
-                HitView& hits) {
+template <class Response>
+bool view_names(const Response& response, HitFields fields, std::size_t n, HitView& hits) {
   if (!fields.name) return true;
   hits.names.assign(response.names().begin(), response.names().end());
   return view_column(response, true, v1::HIT_FIELD_NAME, n, hits.name) &&
@@ -70,8 +85,8 @@ bool view_names(const v1::CastRaysResponse& response, HitFields fields, std::siz
                      [&](std::uint32_t row) { return row < hits.names.size(); });
 }
 
-bool view_surfaces(const v1::CastRaysResponse& response, HitFields fields, std::size_t n,
-                   HitView& hits) {
+template <class Response>
+bool view_surfaces(const Response& response, HitFields fields, std::size_t n, HitView& hits) {
   return view_column(response, fields.t, v1::HIT_FIELD_T, n, hits.t) &&
          view_column(response, fields.node, v1::HIT_FIELD_NODE, n, hits.node) &&
          view_column(response, fields.primitive, v1::HIT_FIELD_PRIMITIVE, n, hits.primitive) &&
@@ -132,12 +147,13 @@ std::uint32_t milliseconds_of(std::chrono::milliseconds budget) {
   return static_cast<std::uint32_t>(std::clamp<std::int64_t>(budget.count(), 1, kMost));
 }
 
+template <class Request>
 void describe(const std::string& scene, HitFields fields, const CastOptions& options,
-              v1::CastRaysRequest& request) {
+              Request& request) {
   request.set_scene(scene);
   request.set_kind(encode(options.kind));
   request.set_build(encode(options.build));
-  request.set_culling(encode(options.culling));
+  set_culling(options.culling, request);
   request.set_root(options.root);
   request.mutable_exclude()->Assign(options.exclude.begin(), options.exclude.end());
   request.set_max_hits(options.max_hits);
@@ -175,41 +191,51 @@ RayColumns<Scalar> resize_columns(std::size_t n, RayShape shape, v1::Rays& rays)
 }
 
 template <class Scalar>
-void trim(std::size_t n, RayShape shape, v1::Rays& rays) {
-  resize_columns<Scalar>(n, shape, rays);
+PointColumns<Scalar> resize_columns(std::size_t n, PointShape shape, v1::Points& points) {
+  points.set_float64(std::is_same_v<Scalar, double>);
+  points.set_count(n);
+  PointColumns<Scalar> columns;
+  columns.positions = resize<Scalar>(n, 3, *points.mutable_positions());
+  if (shape.max_distance)
+    columns.max_distance = resize<Scalar>(n, 1, *points.mutable_max_distance());
+  if (shape.masks) columns.masks = resize<std::uint32_t>(n, 1, *points.mutable_masks());
+  return columns;
 }
 
-Result<HitView> view_hits(const v1::CastRaysResponse& response, HitFields fields, std::size_t n) {
+template <class Response>
+Result<HitView> view_hits(const Response& response, HitFields fields, std::size_t n) {
   HitView hits;
   if (!view_rays(response, fields, n, hits) || !view_surfaces(response, fields, n, hits))
-    return incomplete(n);
+    return incomplete(response, n);
   return hits;
 }
 
-Result<HitView> view_all_hits(const v1::CastRaysResponse& response, HitFields fields,
-                              std::size_t first, std::size_t n) {
+template <class Response>
+Result<HitView> view_all_hits(const Response& response, HitFields fields, std::size_t first,
+                              std::size_t n) {
   HitView hits;
   const std::string* column = find(response, v1::HIT_FIELD_OFFSET);
   const std::size_t rays = column == nullptr ? 0 : column->size() / sizeof(std::uint32_t) - 1;
   if (rays > n || !view_column(response, true, v1::HIT_FIELD_OFFSET, rays + 1, hits.offsets))
-    return incomplete(n);
+    return incomplete(response, n);
   const bool continues_the_batch =
-      response.first_ray() == first && rays <= n - first && response.more() == (first + rays < n) &&
+      first_row(response) == first && rays <= n - first && response.more() == (first + rays < n) &&
       hits.offsets.front() == 0 && std::is_sorted(hits.offsets.begin(), hits.offsets.end());
   if (!continues_the_batch) {
     return Error{Code::kInternal,
-                 fmt::format("the server answered {} rays from {} on, instead of from {} to {}",
-                             rays, response.first_ray(), first, n),
+                 fmt::format("the server answered {} {} from {} on, instead of from {} to {}", rays,
+                             rows_of(response), first_row(response), first, n),
                  {}};
   }
   fields.hit = true;
   if (!view_rays(response, fields, rays, hits) ||
       !view_surfaces(response, fields, hits.offsets.back(), hits))
-    return incomplete(n);
+    return incomplete(response, n);
   return hits;
 }
 
-void add_stats(const v1::CastRaysResponse& response, CastReport& report) {
+template <class Response>
+void add_stats(const Response& response, CastReport& report) {
   const v1::CastStats& stats = response.stats();
   report.revision = response.served().revision();
   report.token = response.served().token();
@@ -228,9 +254,19 @@ void add_stats(const v1::CastRaysResponse& response, CastReport& report) {
   report.trace_us += stats.trace_us();
 }
 
+template void describe(const std::string&, HitFields, const CastOptions&, v1::CastRaysRequest&);
+template void describe(const std::string&, HitFields, const CastOptions&, v1::QueryPointsRequest&);
 template RayColumns<float> resize_columns(std::size_t, RayShape, v1::Rays&);
 template RayColumns<double> resize_columns(std::size_t, RayShape, v1::Rays&);
-template void trim<float>(std::size_t, RayShape, v1::Rays&);
-template void trim<double>(std::size_t, RayShape, v1::Rays&);
+template PointColumns<float> resize_columns(std::size_t, PointShape, v1::Points&);
+template PointColumns<double> resize_columns(std::size_t, PointShape, v1::Points&);
+template Result<HitView> view_hits(const v1::CastRaysResponse&, HitFields, std::size_t);
+template Result<HitView> view_hits(const v1::QueryPointsResponse&, HitFields, std::size_t);
+template Result<HitView> view_all_hits(const v1::CastRaysResponse&, HitFields, std::size_t,
+                                       std::size_t);
+template Result<HitView> view_all_hits(const v1::QueryPointsResponse&, HitFields, std::size_t,
+                                       std::size_t);
+template void add_stats(const v1::CastRaysResponse&, CastReport&);
+template void add_stats(const v1::QueryPointsResponse&, CastReport&);
 
 }  // namespace sightline::client::wire

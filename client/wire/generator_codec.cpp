@@ -1,4 +1,4 @@
-// Generators of rays to messages.
+// Generators of rays and of points to messages.
 #include "client/wire/generator_codec.h"
 
 #include <string>
@@ -65,6 +65,21 @@ void encode(const proto::rays::RayGenerator& generator, v1::RayGenerator& messag
   message.set_tmin(generator.tmin);
   if (generator.tmax) message.set_tmax(*generator.tmax);
   message.set_mask(generator.mask);
+}
+
+void encode(const proto::rays::PointGrid& grid, v1::PointGrid& message) {
+  message.Clear();
+  assign(grid.origin, *message.mutable_origin());
+  assign(grid.across, *message.mutable_across());
+  assign(grid.down, *message.mutable_down());
+  assign(grid.deep, *message.mutable_deep());
+  message.set_columns(grid.columns);
+  message.set_rows(grid.rows);
+  message.set_layers(grid.layers);
+  message.set_first(grid.first);
+  message.set_count(grid.count);
+  message.set_max_distance(grid.max_distance);
+  message.set_mask(grid.mask);
 }
 
 }  // namespace sightline::client::wire

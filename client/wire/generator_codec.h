@@ -1,7 +1,8 @@
-// Generators of rays to messages. Internal to the library.
+// Generators of rays and of points to messages. Internal to the library.
 #pragma once
 
 #include "proto/rays/generator.h"
+#include "proto/rays/point_grid.h"
 #include "sightline/v1/query.pb.h"
 
 namespace sightline::client::wire {
@@ -10,5 +11,6 @@ namespace v1 = ::sightline::v1;
 
 /// Sets all of the message.
 void encode(const proto::rays::RayGenerator& generator, v1::RayGenerator& message);
+void encode(const proto::rays::PointGrid& grid, v1::PointGrid& message);
 
 }  // namespace sightline::client::wire

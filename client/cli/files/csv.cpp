@@ -1,4 +1,4 @@
-// Reads rays line by line.
+// Reads rows line by line.
 #include "client/cli/files/csv.h"
 
 #include <fmt/format.h>
@@ -67,22 +67,23 @@ Result<bool> CsvRays::next_content(std::string_view& line) {
 }
 
 Status CsvRays::read_names(std::string_view line) {
+  const auto names = layout_.get().names;
   split(line, values_);
   for (const std::string_view name : values_) {
-    const auto* const found = std::find(kRayColumns.begin(), kRayColumns.end(), name);
-    if (found == kRayColumns.end()) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) {
       return error(fmt::format("column '{}' is none of {}", name.substr(0, kMaxShown),
-                               fmt::join(kRayColumns, " ")));
+                               fmt::join(names, " ")));
     }
-    const auto column = static_cast<std::size_t>(found - kRayColumns.begin());
+    const auto column = static_cast<std::size_t>(found - names.begin());
     if (std::find(columns_.begin(), columns_.end(), column) != columns_.end()) {
       return error(fmt::format("column '{}' is there twice", name));
     }
     columns_.push_back(column);
   }
-  for (std::size_t column = 0; column < 6; ++column) {
+  for (std::size_t column = 0; column < layout_.get().required; ++column) {
     if (std::find(columns_.begin(), columns_.end(), column) == columns_.end()) {
-      return error(fmt::format("column '{}' is missing", kRayColumns[column]));
+      return error(fmt::format("column '{}' is missing", names[column]));
     }
   }
   return {};
@@ -90,18 +91,20 @@ Status CsvRays::read_names(std::string_view line) {
 
 Status CsvRays::count_columns(std::string_view line) {
   split(line, values_);
+  const RowLayout& layout = layout_;
   const std::size_t count = values_.size();
-  if (count != 6 && count != 8) {
-    return error(fmt::format("{} column{}, a ray has 6 or 8: {}", count, count == 1 ? "" : "s",
-                             fmt::join(kRayColumns, " ")));
+  if (count != layout.required && count != layout.names.size()) {
+    return error(fmt::format("{} column{}, a {} has {} or {}: {}", count, count == 1 ? "" : "s",
+                             layout.row, layout.required, layout.names.size(),
+                             fmt::join(layout.names, " ")));
   }
   columns_.resize(count);
   std::iota(columns_.begin(), columns_.end(), std::size_t{0});
   return {};
 }
 
-Result<CsvRays> CsvRays::open(Input input) {
-  CsvRays rays(std::move(input));
+Result<CsvRays> CsvRays::open(Input input, RowKind kind) {
+  CsvRays rays(std::move(input), kind);
   std::string_view line;
   const auto more = rays.next_content(line);
   if (!more) return more.error();
@@ -112,12 +115,14 @@ Result<CsvRays> CsvRays::open(Input input) {
     return known.error();
   }
   if (!is_named) rays.first_ = line;
-  rays.has_interval_ = std::any_of(rays.columns_.begin(), rays.columns_.end(),
-                                   [](std::size_t column) { return column >= 6; });
+  rays.has_interval_ =
+      std::any_of(rays.columns_.begin(), rays.columns_.end(),
+                  [&rays](std::size_t column) { return column >= rays.layout_.get().required; });
   return rays;
 }
 
 Status CsvRays::read_values(std::string_view line, RayRow& row) {
+  const RowLayout& layout = layout_;
   row[6] = 0;
   row[7] = std::numeric_limits<double>::infinity();
   split(line, values_);
@@ -130,10 +135,10 @@ Status CsvRays::read_values(std::string_view line, RayRow& row) {
     const std::string_view value = values_[k];
     const auto number = parse_number(value);
     if (!number) {
-      return error(
-          fmt::format("{} is '{}', not a number", kRayColumns[column], value.substr(0, kMaxShown)));
+      return error(fmt::format("{} is '{}', not a number", layout.names[column],
+                               value.substr(0, kMaxShown)));
     }
-    row[column] = *number;
+    row[layout.columns[column]] = *number;
   }
   return {};
 }

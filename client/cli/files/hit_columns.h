@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "client/cast_options.h"
+#include "client/cli/files/row_layout.h"
 #include "client/result.h"
 
 namespace sightline::client::cli::files {
@@ -21,9 +22,13 @@ enum class HitColumn : std::uint8_t {
   kPrimitive,
   kU,
   kV,
+  kX,
+  kY,
+  kZ,
   kNx,
   kNy,
   kNz,
+  kName,
   kHit,
   kWork,
   kCount
@@ -31,22 +36,25 @@ enum class HitColumn : std::uint8_t {
 
 struct HitColumnInfo {
   std::string_view name;
-  std::string_view type;  ///< as NumPy writes it
+  std::string_view type;  ///< as NumPy writes it; empty: text
   std::size_t bytes;
 };
-const HitColumnInfo& info_of(HitColumn column);
+/// For points `t` is called distance, and `ray` point.
+const HitColumnInfo& info_of(HitColumn column, RowKind asked = RowKind::kRays);
 
 /// All columns of a closest hit, without `work`.
 std::vector<HitColumn> all_closest_columns();
 /// The default columns for an answer of this kind.
-std::vector<HitColumn> standard_columns(QueryKind kind);
+std::vector<HitColumn> standard_columns(QueryKind kind, RowKind asked = RowKind::kRays);
 /// Errors: kInvalidArgument, naming the column, if answers of this kind do not have one of the
 /// columns.
-Status check_columns(const std::vector<HitColumn>& columns, QueryKind kind);
+Status check_columns(const std::vector<HitColumn>& columns, QueryKind kind,
+                     RowKind asked = RowKind::kRays);
 
 /// Parses names separated by commas, and sorts them into the order of files. Errors:
 /// kInvalidArgument, naming the word, for an unknown column or one that occurs twice.
-Result<std::vector<HitColumn>> parse_hit_columns(std::string_view names);
+Result<std::vector<HitColumn>> parse_hit_columns(std::string_view names,
+                                                 RowKind asked = RowKind::kRays);
 
 /// The fields that must be requested from the server for these columns.
 HitFields fields_for(const std::vector<HitColumn>& columns);
@@ -61,7 +69,10 @@ struct RowView : HitView {
   std::span<const double> lines{};
 };
 
-/// Writes the value of the column in row i, as bytes or as text.
+/// The name of the node in row i; "" without a hit.
+std::string_view name_of(const RowView& hits, std::size_t i);
+
+/// Writes the value of the column in row i, as bytes or as text. A name has no bytes.
 void put_bytes(const RowView& hits, std::size_t i, HitColumn column, char* out);
 void put_text(const RowView& hits, std::size_t i, HitColumn column, std::string& out);
 
@@ -82,7 +93,8 @@ class HitRows {
 
   std::vector<std::uint64_t> ray_, node_;
   std::vector<double> t_;
-  std::vector<std::uint32_t> primitive_, work_;
+  std::vector<std::uint32_t> primitive_, work_, name_;
+  std::vector<double> position_;
   std::vector<float> barycentric_, normal_;
   std::vector<std::uint8_t> hit_;
 };

@@ -11,7 +11,8 @@ Result<HitFile> HitFile::open(const std::string& path, std::vector<HitColumn> co
   if (!options.format && !suffix) return suffix.error();
   const Format format = options.format ? *options.format : suffix->value_or(Format::kCsv);
   return open(path,
-              make_hit_format(format, {std::move(columns), options.array_shape, options.names}),
+              make_hit_format(
+                  format, {std::move(columns), options.array_shape, options.names, options.asked}),
               options.rows);
 }
 

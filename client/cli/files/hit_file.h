@@ -23,6 +23,7 @@ struct HitFileOptions {
   /// The shape of the array of rows, if it is known; empty: (rows).
   std::vector<std::uint64_t> array_shape = {};
   bool names = true;  ///< CSV begins with a line of names
+  RowKind asked = RowKind::kRays;
 };
 
 class HitFile {

@@ -9,20 +9,41 @@
 #include <cstring>
 #include <iterator>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "client/cli/files/npy.h"
 #include "client/cli/files/zip.h"
+#include "client/cli/terminal.h"
 
 namespace sightline::client::cli::files {
 namespace {
 
-std::vector<NpyField> npy_fields(const std::vector<HitColumn>& columns) {
+std::vector<NpyField> npy_fields(const HitFormatOptions& options) {
   std::vector<NpyField> fields;
-  fields.reserve(columns.size());
-  for (const HitColumn column : columns)
-    fields.push_back({info_of(column).name, info_of(column).type});
+  fields.reserve(options.columns.size());
+  for (const HitColumn column : options.columns) {
+    const HitColumnInfo& info = info_of(column, options.asked);
+    fields.push_back({info.name, info.type});
+  }
   return fields;
+}
+
+/// A name as a value of CSV, on one line and without effect on a terminal.
+void add_csv_name(std::string_view name, std::string& bytes) {
+  const std::string text = printable(name);
+  if (text.find_first_of(",\" ") == std::string::npos) {
+    bytes += text;
+    return;
+  }
+  bytes += '"';
+  for (const char c : text) bytes += c == '"' ? std::string("\"\"") : std::string(1, c);
+  bytes += '"';
+}
+
+std::string json_text(std::string_view name) {
+  using nlohmann::json;
+  return json(name).dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
 /// One row after the other, each of the same length.
@@ -49,7 +70,7 @@ class CsvHits : public HitFormat {
     if (!options_.names) return names;
     for (const HitColumn column : options_.columns) {
       if (!names.empty()) names += ',';
-      names += info_of(column).name;
+      names += info_of(column, options_.asked).name;
     }
     return names + '\n';
   }
@@ -58,7 +79,11 @@ class CsvHits : public HitFormat {
     for (std::size_t i = 0; i < n; ++i) {
       for (std::size_t k = 0; k < options_.columns.size(); ++k) {
         if (k > 0) bytes += ',';
-        put_text(rows, i, options_.columns[k], bytes);
+        if (options_.columns[k] == HitColumn::kName) {
+          add_csv_name(name_of(rows, i), bytes);
+        } else {
+          put_text(rows, i, options_.columns[k], bytes);
+        }
       }
       bytes += '\n';
     }
@@ -79,12 +104,10 @@ class JsonHits : public HitFormat {
     std::string value;
     for (std::size_t i = 0; i < n; ++i) {
       for (std::size_t k = 0; k < options_.columns.size(); ++k) {
-        value.clear();
-        put_text(rows, i, options_.columns[k], value);
-        // JSON has no infinity and no NaN.
-        if (value == "inf" || value == "-inf" || value == "nan" || value == "-nan") value = "null";
+        const HitColumn column = options_.columns[k];
+        put_value(rows, i, column, value);
         fmt::format_to(std::back_inserter(bytes), "{}\"{}\":{}", k == 0 ? '{' : ',',
-                       info_of(options_.columns[k]).name, value);
+                       info_of(column, options_.asked).name, value);
       }
       bytes += "}\n";
     }
@@ -92,6 +115,17 @@ class JsonHits : public HitFormat {
   }
 
  private:
+  static void put_value(const RowView& rows, std::size_t i, HitColumn column, std::string& value) {
+    value.clear();
+    if (column == HitColumn::kName) {
+      value = json_text(name_of(rows, i));
+      return;
+    }
+    put_text(rows, i, column, value);
+    // JSON has no infinity and no NaN.
+    if (value == "inf" || value == "-inf" || value == "nan" || value == "-nan") value = "null";
+  }
+
   HitFormatOptions options_;
 };
 
@@ -100,7 +134,7 @@ class NpyHits : public HitFormat {
   explicit NpyHits(HitFormatOptions options) : options_(std::move(options)) {}
 
   std::string header(std::uint64_t rows) const override {
-    const auto fields = npy_fields(options_.columns);
+    const auto fields = npy_fields(options_);
     if (!options_.array_shape.empty()) return make_npy_header(fields, options_.array_shape);
     return make_npy_header(fields, rows);
   }
@@ -135,7 +169,7 @@ class NpzHits : public HitFormat {
         options_.array_shape.empty() ? std::vector{rows_} : options_.array_shape;
     std::vector<ZipEntry> entries;
     for (std::size_t k = 0; k < arrays_.size(); ++k) {
-      const HitColumnInfo& info = info_of(options_.columns[k]);
+      const HitColumnInfo& info = info_of(options_.columns[k], options_.asked);
       entries.push_back({std::string(info.name) + ".npy",
                          make_npy_header(info.type, shape) + std::exchange(arrays_[k], {})});
     }
@@ -148,18 +182,19 @@ class NpzHits : public HitFormat {
   std::uint64_t rows_ = 0;
 };
 
-// A vertex is a hit: its place, and its columns. A miss has no place, and no vertex.
+// A vertex is a hit: its position, and its columns. A miss has no position, and no vertex. For
+// points a vertex is the point that was asked, if there is a face.
 class PlyHits : public HitFormat {
  public:
   explicit PlyHits(HitFormatOptions options) : options_(std::move(options)) {}
 
   std::string header(std::uint64_t rows) const override {
     std::string text = fmt::format(
-        "ply\nformat binary_little_endian 1.0\ncomment hits of rays\n"
+        "ply\nformat binary_little_endian 1.0\ncomment {}\n"
         "element vertex {:<20}\nproperty double x\nproperty double y\nproperty double z\n",
-        rows);
+        is_of_points() ? "points and what is nearest" : "hits of rays", rows);
     for (const HitColumn column : options_.columns)
-      text += fmt::format("property {} {}\n", ply_type(column), info_of(column).name);
+      text += fmt::format("property {} {}\n", ply_type(column), property_name(column));
     return text + "end_header\n";
   }
   bool needs_lines() const override { return true; }
@@ -169,7 +204,7 @@ class PlyHits : public HitFormat {
     std::size_t added = 0;
     for (std::size_t i = 0; i < n; ++i) {
       if (!std::isfinite(rows.t[i])) continue;
-      const auto point = hit_point(rows, i);
+      const auto point = is_of_points() ? asked_point(rows, i) : hit_point(rows, i);
       bytes.append(reinterpret_cast<const char*>(point.data()), sizeof(point));
       for (const HitColumn column : options_.columns) add_value(rows, i, column, bytes);
       ++added;
@@ -178,6 +213,18 @@ class PlyHits : public HitFormat {
   }
 
  private:
+  bool is_of_points() const { return options_.asked == RowKind::kPoints; }
+
+  // x y z are those of the vertex.
+  std::string property_name(HitColumn column) const {
+    const std::string name(info_of(column, options_.asked).name);
+    return column >= HitColumn::kX && column <= HitColumn::kZ ? "nearest_" + name : name;
+  }
+
+  static std::array<double, 3> asked_point(const RowView& rows, std::size_t i) {
+    return {rows.lines[6 * i], rows.lines[6 * i + 1], rows.lines[6 * i + 2]};
+  }
+
   static bool is_long(HitColumn column) { return info_of(column).type == "<u8"; }
 
   static const char* ply_type(HitColumn column) {

@@ -40,6 +40,7 @@ struct HitFormatOptions {
   /// The shape of the array of rows, if there are as many as it says; empty: (rows).
   std::vector<std::uint64_t> array_shape = {};
   bool names = true;  ///< CSV begins with a line of names
+  RowKind asked = RowKind::kRays;
 };
 
 std::unique_ptr<HitFormat> make_hit_format(Format format, HitFormatOptions options);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <tuple>
 #include <utility>
 
 #include "client/cli/flags.h"
@@ -31,56 +32,78 @@ bool read_number(const json& value, double& out) {
   return number.has_value();
 }
 
-Status read_numbers(const json& values, std::string_view name, std::size_t first, std::size_t count,
-                    RayRow& row) {
-  if (!values.is_array() || values.size() != count)
-    return local_error(fmt::format("{} is not {} numbers", name, count));
-  for (std::size_t k = 0; k < count; ++k) {
-    if (!read_number(values[k], row[first + k]))
-      return local_error(fmt::format("{} holds {}, which is no number", name, values[k].dump()));
-  }
-  return {};
-}
+/// Numbers of a row by their names, and which of them have been read.
+class NamedNumbers {
+ public:
+  NamedNumbers(const RowLayout& layout, RayRow& row) : layout_(layout), row_(row) {}
 
-// Reads one key, and marks the columns that it has.
-Status read_key(const std::string& key, const json& value, RayRow& row,
-                std::array<bool, 8>& found) {
-  if (key == "origin" || key == "direction") {
-    const std::size_t first = key == "origin" ? 0 : 3;
-    std::fill_n(found.begin() + static_cast<std::ptrdiff_t>(first), 3, true);
-    return read_numbers(value, key, first, 3, row);
+  Status read_list(const json& values, std::string_view name, std::size_t first,
+                   std::size_t count) {
+    if (!values.is_array() || values.size() != count)
+      return local_error(fmt::format("{} is not {} numbers", name, count));
+    for (std::size_t k = 0; k < count; ++k) {
+      if (!read(values[k], first + k))
+        return local_error(fmt::format("{} holds {}, which is no number", name, values[k].dump()));
+    }
+    return {};
   }
-  const auto* const column = std::find(kRayColumns.begin(), kRayColumns.end(), key);
-  if (column == kRayColumns.end()) {
-    return local_error(
-        fmt::format("key '{}' is none of origin direction {}", key, fmt::join(kRayColumns, " ")));
+
+  Status read_key(const std::string& key, const json& value) {
+    for (const auto& [name, first] : layout_.vectors) {
+      if (key == name) return read_list(value, key, first, 3);
+    }
+    const auto found = std::find(layout_.names.begin(), layout_.names.end(), key);
+    if (found == layout_.names.end())
+      return local_error(fmt::format("key '{}' is none of {}", key, known_keys()));
+    if (read(value, static_cast<std::size_t>(found - layout_.names.begin()))) return {};
+    return local_error(fmt::format("{} is {}, not a number", key, value.dump()));
   }
-  const auto k = static_cast<std::size_t>(column - kRayColumns.begin());
-  found[k] = true;
-  if (read_number(value, row[k])) return {};
-  return local_error(fmt::format("{} is {}, not a number", key, value.dump()));
-}
+
+  Status check_complete() const {
+    for (std::size_t k = 0; k < layout_.required; ++k) {
+      if (!found_[k]) return local_error(fmt::format("'{}' is missing", layout_.names[k]));
+    }
+    return {};
+  }
+
+ private:
+  bool read(const json& value, std::size_t name) {
+    found_[name] = true;
+    return read_number(value, row_[layout_.columns[name]]);
+  }
+
+  std::string known_keys() const {
+    std::string keys;
+    for (const auto& [name, first] : layout_.vectors) keys += fmt::format("{} ", name);
+    return keys + fmt::format("{}", fmt::join(layout_.names, " "));
+  }
+
+  const RowLayout& layout_;
+  RayRow& row_;
+  std::array<bool, std::tuple_size_v<RayRow>> found_{};
+};
 
 }  // namespace
 
-Status parse_ray(std::string_view line, RayRow& row) {
+Status parse_json_row(std::string_view line, RayRow& row, RowKind kind) {
+  const RowLayout& layout = layout_of(kind);
   row[6] = 0;
   row[7] = std::numeric_limits<double>::infinity();
-  const json ray = json::parse(line, nullptr, false);
-  if (ray.is_array()) {
-    if (ray.size() != 6 && ray.size() != 8)
-      return local_error(fmt::format("a list of {}, a ray has 6 or 8 numbers", ray.size()));
-    return read_numbers(ray, "the list", 0, ray.size(), row);
+  NamedNumbers numbers(layout, row);
+  const json parsed = json::parse(line, nullptr, false);
+  if (parsed.is_array()) {
+    const std::size_t count = parsed.size();
+    if (count != layout.required && count != layout.names.size()) {
+      return local_error(fmt::format("a list of {}, a {} has {} or {} numbers", count, layout.row,
+                                     layout.required, layout.names.size()));
+    }
+    return numbers.read_list(parsed, "the list", 0, count);
   }
-  if (!ray.is_object()) return local_error("neither a list nor an object in JSON");
-  std::array<bool, 8> found{};
-  for (const auto& [key, value] : ray.items()) {
-    if (Status good = read_key(key, value, row, found); !good) return good;
+  if (!parsed.is_object()) return local_error("neither a list nor an object in JSON");
+  for (const auto& [key, value] : parsed.items()) {
+    if (Status good = numbers.read_key(key, value); !good) return good;
   }
-  for (std::size_t k = 0; k < 6; ++k) {
-    if (!found[k]) return local_error(fmt::format("'{}' is missing", kRayColumns[k]));
-  }
-  return {};
+  return numbers.check_complete();
 }
 
 Result<bool> JsonRays::next(RayRow& row) {
@@ -90,7 +113,7 @@ Result<bool> JsonRays::next(RayRow& row) {
     if (!more || !*more) return more;
     ++line_number_;
     if (has_no_value(line)) continue;
-    const Status parsed = parse_ray(line, row);
+    const Status parsed = parse_json_row(line, row, kind_);
     if (parsed) return true;
     return local_error(
         fmt::format("{}:{}: {}", input_.name(), line_number_, parsed.error().message));

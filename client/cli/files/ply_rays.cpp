@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -97,13 +98,15 @@ std::optional<std::size_t> find_property(const PlyHeader& header, std::string_vi
   return {};
 }
 
-// For each column of a ray its property; nothing for tmin and tmax that are not there.
-Result<std::array<std::optional<std::size_t>, 8>> find_columns(const PlyHeader& header) {
+// For each column of RayRow its property; nothing for those that are not there.
+using FoundColumns = std::array<std::optional<std::size_t>, std::tuple_size_v<RayRow>>;
+
+Result<FoundColumns> find_columns_of_rays(const PlyHeader& header) {
   constexpr std::array<std::string_view, 8> kNames{"ox", "oy", "oz",   "dx",
                                                    "dy", "dz", "tmin", "tmax"};
   constexpr std::array<std::string_view, 8> kOtherNames{"x",  "y",  "z",    "nx",
                                                         "ny", "nz", "tmin", "tmax"};
-  std::array<std::optional<std::size_t>, 8> found;
+  FoundColumns found;
   for (std::size_t k = 0; k < 8; ++k) {
     found[k] = find_property(header, kNames[k], kOtherNames[k]);
     if (found[k] || k >= 6) continue;
@@ -117,8 +120,20 @@ Result<std::array<std::optional<std::size_t>, 8>> find_columns(const PlyHeader& 
   return found;
 }
 
+Result<FoundColumns> find_columns_of_points(const PlyHeader& header) {
+  const RowLayout& layout = layout_of(RowKind::kPoints);
+  FoundColumns found;
+  for (std::size_t k = 0; k < layout.names.size(); ++k) {
+    const auto property = find_property(header, layout.names[k], layout.names[k]);
+    if (!property && k < layout.required)
+      return local_error(fmt::format("its vertices have no {}", layout.names[k]));
+    found[layout.columns[k]] = property;
+  }
+  return found;
+}
+
 Result<RayTable> parse_text(const PlyHeader& header, std::string_view text,
-                            const std::array<std::optional<std::size_t>, 8>& columns) {
+                            const FoundColumns& columns) {
   const std::size_t width = header.properties.size();
   // Each number takes two characters at least.
   if (*header.vertices > text.size() / width) return local_error("cut off");
@@ -135,7 +150,7 @@ Result<RayTable> parse_text(const PlyHeader& header, std::string_view text,
     values->push_back(*number);
   }
   RayTable table{.shape = {*header.vertices}, .owners = {values}};
-  for (std::size_t k = 0; k < 8; ++k) {
+  for (std::size_t k = 0; k < columns.size(); ++k) {
     if (!columns[k]) continue;
     table.columns[k] = {std::as_bytes(std::span(*values)).data() + *columns[k] * sizeof(double),
                         width * sizeof(double), *scalar_of_ply("double", false)};
@@ -144,8 +159,7 @@ Result<RayTable> parse_text(const PlyHeader& header, std::string_view text,
 }
 
 Result<RayTable> parse_binary(const PlyHeader& header, std::span<const std::byte> data,
-                              bool swapped,
-                              const std::array<std::optional<std::size_t>, 8>& columns) {
+                              bool swapped, const FoundColumns& columns) {
   std::vector<std::size_t> offsets;
   std::vector<ScalarType> types;
   std::size_t stride = 0;
@@ -161,7 +175,7 @@ Result<RayTable> parse_binary(const PlyHeader& header, std::span<const std::byte
   }
   if (*header.vertices > data.size() / stride) return local_error("cut off");
   RayTable table{.shape = {*header.vertices}};
-  for (std::size_t k = 0; k < 8; ++k) {
+  for (std::size_t k = 0; k < columns.size(); ++k) {
     if (columns[k])
       table.columns[k] = {data.data() + offsets[*columns[k]], stride, types[*columns[k]]};
   }
@@ -170,11 +184,12 @@ Result<RayTable> parse_binary(const PlyHeader& header, std::span<const std::byte
 
 }  // namespace
 
-Result<RayTable> parse_ply_rays(std::span<const std::byte> file) {
+Result<RayTable> parse_ply_rays(std::span<const std::byte> file, RowKind kind) {
   std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
   const auto header = read_header(text);
   if (!header) return header.error();
-  const auto columns = find_columns(*header);
+  const auto columns =
+      kind == RowKind::kRays ? find_columns_of_rays(*header) : find_columns_of_points(*header);
   if (!columns) return columns.error();
   if (header->format == "ascii") return parse_text(*header, text, *columns);
   const bool swapped = header->format == "binary_big_endian";

@@ -25,46 +25,75 @@ namespace {
 
 using FileBytes = std::span<const std::byte>;
 
-Result<RayTable> parse_npy(FileBytes file) {
-  const auto array = parse_npy_array(file);
+Result<RayTable> parse_npy(FileBytes file, RowKind kind) {
+  const auto array = parse_npy_array(file, kind);
   if (!array) return array.error();
-  return table_of(*array);
+  return table_of(*array, kind);
 }
 
-constexpr const char* kNpzNames =
-    "`rays`, or `origins` and `directions` and, if you like, `tmin` and `tmax`";
+/// The arrays of an archive, by name.
+class NamedArrays {
+ public:
+  void add(std::string name, NpyArray array) { arrays_.emplace(std::move(name), std::move(array)); }
 
-Result<RayTable> parse_npz(FileBytes file) {
+  /// Null: it is not there.
+  const NpyArray* find(const char* name) const {
+    const auto found = arrays_.find(std::string(name) + ".npy");
+    return found == arrays_.end() ? nullptr : &found->second;
+  }
+  /// The only array, whatever its name is, or that of this name.
+  const NpyArray* find_whole(const char* name) const {
+    return arrays_.size() == 1 ? &arrays_.begin()->second : find(name);
+  }
+
+ private:
+  std::map<std::string, NpyArray> arrays_;
+};
+
+Result<RayTable> table_of_rays(const NamedArrays& arrays) {
+  if (const NpyArray* const rays = arrays.find_whole("rays")) return table_of(*rays);
+  const NpyArray* const origins = arrays.find("origins");
+  const NpyArray* const directions = arrays.find("directions");
+  if (origins == nullptr || directions == nullptr) {
+    return local_error(
+        "has no arrays of rays: `rays`, or `origins` and `directions` and, if you like, `tmin` and "
+        "`tmax`");
+  }
+  return table_of(*origins, *directions, arrays.find("tmin"), arrays.find("tmax"));
+}
+
+Result<RayTable> table_of_points(const NamedArrays& arrays) {
+  if (const NpyArray* const points = arrays.find_whole("points"))
+    return table_of(*points, RowKind::kPoints);
+  const NpyArray* const positions = arrays.find("positions");
+  if (positions == nullptr) {
+    return local_error("has no arrays of points: `points`, or `positions` and, if you like, `max`");
+  }
+  return files::table_of_points(*positions, arrays.find("max"));
+}
+
+Result<RayTable> parse_npz(FileBytes file, RowKind kind) {
   auto unzipped = unzip(file);
   if (!unzipped) return unzipped.error();
   const auto parts =
       std::make_shared<std::map<std::string, std::vector<std::byte>>>(*std::move(unzipped));
-  std::map<std::string, NpyArray> arrays;
+  NamedArrays arrays;
   for (const auto& [name, bytes] : *parts) {
-    auto array = parse_npy_array(bytes);
+    auto array = parse_npy_array(bytes, kind);
     if (!array) return local_error(fmt::format("{}: {}", name, array.error().message));
-    arrays.emplace(name, *std::move(array));
+    arrays.add(name, *std::move(array));
   }
-  const auto find = [&](const char* name) {
-    const auto found = arrays.find(std::string(name) + ".npy");
-    return found == arrays.end() ? nullptr : &found->second;
-  };
-  const NpyArray* const whole = arrays.size() == 1 ? &arrays.begin()->second : find("rays");
-  const NpyArray* const origins = find("origins");
-  const NpyArray* const directions = find("directions");
-  if (whole == nullptr && (origins == nullptr || directions == nullptr))
-    return local_error(fmt::format("has no arrays of rays: {}", kNpzNames));
-  auto table = whole != nullptr ? table_of(*whole)
-                                : table_of(*origins, *directions, find("tmin"), find("tmax"));
+  auto table = kind == RowKind::kRays ? table_of_rays(arrays) : table_of_points(arrays);
   if (table) table->owners.emplace_back(parts);
   return table;
 }
 
-Result<RayFile> open_table(Input opened, Result<RayTable> (*parse)(FileBytes)) {
+Result<RayFile> open_table(Input opened, RowKind kind,
+                           Result<RayTable> (*parse)(FileBytes, RowKind)) {
   const auto input = std::make_shared<Input>(std::move(opened));
   const auto bytes = input->whole();
   if (!bytes) return bytes.error();
-  auto parsed = parse(*bytes);
+  auto parsed = parse(*bytes, kind);
   if (!parsed) return local_error(fmt::format("{}: {}", input->name(), parsed.error().message));
   parsed->owners.emplace_back(input);
   const auto table = std::make_shared<const RayTable>(*std::move(parsed));
@@ -76,8 +105,8 @@ Result<RayFile> open_table(Input opened, Result<RayTable> (*parse)(FileBytes)) {
   return file;
 }
 
-Result<RayFile> open_csv(Input input) {
-  auto opened = CsvRays::open(std::move(input));
+Result<RayFile> open_csv(Input input, RowKind kind) {
+  auto opened = CsvRays::open(std::move(input), kind);
   if (!opened) return opened.error();
   const auto rays = std::make_shared<CsvRays>(*std::move(opened));
   return live_ray_file(rays, rays->has_interval());
@@ -128,6 +157,14 @@ void wait_out_pauses(RayFile& file) {
 }
 
 Result<RayFile> open_rays(const std::string& path, std::stop_token stop) {
+  return open_rows(path, RowKind::kRays, std::move(stop));
+}
+
+Result<RayFile> open_points(const std::string& path, std::stop_token stop) {
+  return open_rows(path, RowKind::kPoints, std::move(stop));
+}
+
+Result<RayFile> open_rows(const std::string& path, RowKind kind, std::stop_token stop) {
   const auto suffix = path == "-" ? std::optional<Format>() : format_of(path);
   if (!suffix) return suffix.error();
   auto input = Input::open(path, std::move(stop));
@@ -136,17 +173,17 @@ Result<RayFile> open_rays(const std::string& path, std::stop_token stop) {
   if (!format) return format.error();
   switch (*format) {
     case Format::kNpy:
-      return open_table(*std::move(input), parse_npy);
+      return open_table(*std::move(input), kind, parse_npy);
     case Format::kNpz:
-      return open_table(*std::move(input), parse_npz);
+      return open_table(*std::move(input), kind, parse_npz);
     case Format::kPly:
-      return open_table(*std::move(input), parse_ply_rays);
+      return open_table(*std::move(input), kind, parse_ply_rays);
     case Format::kNdjson:
-      return live_ray_file(std::make_shared<JsonRays>(*std::move(input)), true);
+      return live_ray_file(std::make_shared<JsonRays>(*std::move(input), kind), true);
     case Format::kCsv:
       break;
   }
-  return open_csv(*std::move(input));
+  return open_csv(*std::move(input), kind);
 }
 
 }  // namespace sightline::client::cli::files

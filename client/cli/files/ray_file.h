@@ -1,4 +1,4 @@
-// A file of rays in any supported format, as a source for a cast.
+// A file of rays or points in any supported format, as a source for a cast.
 #pragma once
 
 #include <cstdint>
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "client/cast_options.h"
+#include "client/cli/files/row_layout.h"
 #include "client/result.h"
 
 namespace sightline::client::cli::files {
@@ -18,7 +19,8 @@ namespace sightline::client::cli::files {
 class RowReader;
 
 struct RayFile {
-  /// The rays: float if all of them are float32, else double.
+  /// The rays: float if all of them are float32, else double. Points fill origins and, if `shape`
+  /// has the interval, tmax; their buffers have no other columns.
   std::variant<RaySource<float>, RaySource<double>> source;
   RayShape shape;
   std::optional<std::uint64_t> count;  ///< the number of rays, if the file states it
@@ -41,5 +43,8 @@ void wait_out_pauses(RayFile& file);
 /// wrong with it, also its suffix; kCancelled, here and from the source, if a stop is requested
 /// while the file sends nothing.
 Result<RayFile> open_rays(const std::string& path, std::stop_token stop = {});
+/// As open_rays(), a file of points: of shape (..., 3) or (..., 4), or `positions` and `max`.
+Result<RayFile> open_points(const std::string& path, std::stop_token stop = {});
+Result<RayFile> open_rows(const std::string& path, RowKind kind, std::stop_token stop = {});
 
 }  // namespace sightline::client::cli::files

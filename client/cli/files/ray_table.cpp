@@ -75,13 +75,14 @@ bool RayTable::is_float32() const {
   });
 }
 
-Result<NpyArray> parse_npy_array(std::span<const std::byte> file) {
+Result<NpyArray> parse_npy_array(std::span<const std::byte> file, RowKind kind) {
   const auto header = parse_npy_header(file);
   if (!header) return header.error();
   const auto type = scalar_of_npy(header->dtype);
   if (!type) {
-    return local_error(fmt::format(
-        "dtype is {}, rays have real numbers: f2 f4 f8, i1 to i8, u1 to u8", header->dtype));
+    return local_error(
+        fmt::format("dtype is {}, {} have real numbers: f2 f4 f8, i1 to i8, u1 to u8",
+                    header->dtype, layout_of(kind).rows));
   }
   const auto data = file.subspan(header->data_offset);
   const auto count = product(header->shape);
@@ -97,14 +98,17 @@ Result<NpyArray> parse_npy_array(std::span<const std::byte> file) {
   return array;
 }
 
-Result<RayTable> table_of(const NpyArray& rays) {
-  if (!has_rows_of(rays, 6) && !has_rows_of(rays, 8)) {
-    return local_error(
-        fmt::format("shape is {}, rays have (..., 6) or (..., 8)", text_of(rays.shape)));
+Result<RayTable> table_of(const NpyArray& rows, RowKind kind) {
+  const RowLayout& layout = layout_of(kind);
+  if (!has_rows_of(rows, layout.required) && !has_rows_of(rows, layout.names.size())) {
+    return local_error(fmt::format("shape is {}, {} have (..., {}) or (..., {})",
+                                   text_of(rows.shape), layout.rows, layout.required,
+                                   layout.names.size()));
   }
-  RayTable table{.shape = leading(rays.shape), .owners = {rays.owner}};
-  for (std::uint64_t k = 0; k < rays.shape.back(); ++k)
-    table.columns[k] = column_of(rays, k, rays.shape.back());
+  const std::uint64_t width = rows.shape.back();
+  RayTable table{.shape = leading(rows.shape), .owners = {rows.owner}};
+  for (std::uint64_t k = 0; k < width; ++k)
+    table.columns[layout.columns[k]] = column_of(rows, k, width);
   return table;
 }
 
@@ -133,6 +137,21 @@ Result<RayTable> table_of(const NpyArray& origins, const NpyArray& directions, c
   return table;
 }
 
+Result<RayTable> table_of_points(const NpyArray& positions, const NpyArray* max) {
+  if (!has_rows_of(positions, 3))
+    return local_error(fmt::format("positions are {}, not (..., 3)", text_of(positions.shape)));
+  RayTable table{.shape = leading(positions.shape), .owners = {positions.owner}};
+  for (std::size_t k = 0; k < 3; ++k) table.columns[k] = column_of(positions, k, 3);
+  if (max == nullptr) return table;
+  if (max->shape != table.shape) {
+    return local_error(
+        fmt::format("max is {}, the points are {}", text_of(max->shape), text_of(table.shape)));
+  }
+  table.columns[7] = column_of(*max, 0, 1);
+  table.owners.push_back(max->owner);
+  return table;
+}
+
 template <class Scalar>
 RaySource<Scalar> source_of(std::shared_ptr<const RayTable> table) {
   return [table = std::move(table), next = std::uint64_t{0}](
@@ -144,11 +163,10 @@ RaySource<Scalar> source_of(std::shared_ptr<const RayTable> table) {
       };
       for (std::size_t k = 0; k < 3; ++k) {
         buffer.origins[3 * i + k] = value(k);
-        buffer.directions[3 * i + k] = value(3 + k);
+        if (!buffer.directions.empty()) buffer.directions[3 * i + k] = value(3 + k);
       }
-      if (buffer.tmin.empty()) continue;
-      buffer.tmin[i] = value(6);
-      buffer.tmax[i] = value(7);
+      if (!buffer.tmin.empty()) buffer.tmin[i] = value(6);
+      if (!buffer.tmax.empty()) buffer.tmax[i] = value(7);
     }
     return n;
   };

@@ -47,10 +47,9 @@ class Batches {
   static void put(const RayRow& row, const RayColumns<double>& buffer, std::size_t i) {
     const auto at = static_cast<std::ptrdiff_t>(3 * i);
     std::copy_n(row.begin(), 3, buffer.origins.begin() + at);
-    std::copy_n(row.begin() + 3, 3, buffer.directions.begin() + at);
-    if (buffer.tmin.empty()) return;
-    buffer.tmin[i] = row[6];
-    buffer.tmax[i] = row[7];
+    if (!buffer.directions.empty()) std::copy_n(row.begin() + 3, 3, buffer.directions.begin() + at);
+    if (!buffer.tmin.empty()) buffer.tmin[i] = row[6];
+    if (!buffer.tmax.empty()) buffer.tmax[i] = row[7];
   }
 
   std::shared_ptr<RowReader> reader_;

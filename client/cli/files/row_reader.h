@@ -1,22 +1,16 @@
-// Rays that come one by one, from a file or from a program that may pause.
+// Rays or points that come one by one, from a file or from a program that may pause.
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <functional>
 #include <memory>
-#include <string_view>
 
 #include "client/cast_options.h"
 #include "client/cli/files/input.h"
+#include "client/cli/files/row_layout.h"
 #include "client/result.h"
 
 namespace sightline::client::cli::files {
-
-/// The columns of a ray, in the order of a file without a line of names.
-inline constexpr std::array<std::string_view, 8> kRayColumns{"ox", "oy", "oz",   "dx",
-                                                             "dy", "dz", "tmin", "tmax"};
-using RayRow = std::array<double, kRayColumns.size()>;
 
 class RowReader {
  public:

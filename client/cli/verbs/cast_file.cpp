@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "client/cli/files/hit_file.h"
+#include "client/cli/files/point_limit.h"
 #include "client/cli/files/ray_file.h"
 #include "client/cli/terminal.h"
 #include "client/cli/verbs/origin_precision.h"
@@ -68,13 +69,22 @@ class AnswerWriter {
 };
 
 Result<files::HitFile> open_hits(const CastFileRequest& request, const files::RayFile& rays) {
-  files::HitFileOptions options{.format = request.out_format, .names = request.names};
+  files::HitFileOptions options{
+      .format = request.out_format, .names = request.names, .asked = request.asked};
   const bool lists = request.options.kind == QueryKind::kAll;
   if (!lists) {
     options.rows = rays.count;
     options.array_shape = rays.array_shape;
   }
   return files::HitFile::open(request.out, request.columns, options);
+}
+
+/// Points of a source that fills origins and tmax.
+template <class Scalar>
+PointSource<Scalar> as_points(const RaySource<Scalar>& source) {
+  return [&source](const PointColumns<Scalar>& buffer) {
+    return source({buffer.positions, {}, {}, buffer.max_distance, buffer.masks});
+  };
 }
 
 struct Cast {
@@ -84,11 +94,12 @@ struct Cast {
   AnswerWriter& writer;
 
   Result<CastReport> run() const {
-    ProgressBar bar("casting");
+    const bool has_points = request.asked == files::RowKind::kPoints;
+    const auto unit = has_points ? ProgressBar::Unit::kPoints : ProgressBar::Unit::kRays;
+    ProgressBar bar(has_points ? "measuring" : "casting");
     CastReport sum;
     const HitSink sink = [&](std::uint64_t first, std::size_t count, const HitView& answers) {
-      if (rays.count && *rays.count > 0)
-        bar.update_amount(first + count, *rays.count, ProgressBar::Unit::kRays);
+      if (rays.count && *rays.count > 0) bar.update_amount(first + count, *rays.count, unit);
       return writer.write(first, count, answers);
     };
     // Without any ray, one stream says whether the request is good.
@@ -97,15 +108,23 @@ struct Cast {
       if (!more) return more.error();
       if (begun && !*more) return sum;
       writer.set_base(sum.rays);
-      const auto part = std::visit(
-          [&](const auto& source) {
-            return client.cast_stream(request.scene, source, rays.shape, request.fields, sink,
-                                      request.options);
-          },
-          rays.source);
+      const auto part =
+          std::visit([&](const auto& source) { return ask(source, sink); }, rays.source);
       if (!part) return part.error();
       add(*part, sum);
     }
+  }
+
+ private:
+  template <class Scalar>
+  Result<CastReport> ask(const RaySource<Scalar>& source, const HitSink& sink) const {
+    if (request.asked == files::RowKind::kRays) {
+      return client.cast_stream(request.scene, source, rays.shape, request.fields, sink,
+                                request.options);
+    }
+    return client.nearest_stream(request.scene, as_points(source),
+                                 {.max_distance = rays.shape.interval, .masks = rays.shape.masks},
+                                 request.fields, sink, request.options);
   }
 };
 
@@ -140,14 +159,16 @@ void add(const CastReport& part, CastReport& sum) {
 }
 
 Result<CastOutcome> cast_file(const Client& client, const CastFileRequest& request) {
-  auto rays = files::open_rays(request.in, request.options.stop);
+  auto rays = files::open_rows(request.in, request.asked, request.options.stop);
   if (!rays) return rays.error();
   auto hits = open_hits(request, *rays);
   if (!hits) return hits.error();
   return cast_rays(client,
                    {.scene = request.scene,
                     .fields = files::fields_for(request.columns),
-                    .options = request.options},
+                    .options = request.options,
+                    .asked = request.asked,
+                    .max_distance = request.max_distance},
                    *std::move(rays), *std::move(hits));
 }
 
@@ -155,12 +176,14 @@ Result<CastOutcome> cast_rays(const Client& client, CastRequest request, files::
                               files::HitFile hits) {
   const CastOptions& options = request.options;
   CastOutcome outcome;
+  outcome.asked = request.asked;
   RaysOnTheirWay on_their_way;
   if (hits.needs_lines()) {
     outcome.watch.on_their_way = &on_their_way;
     request.fields.t = true;
   }
   watch(rays, outcome);
+  if (request.max_distance) files::limit_distances(rays, *request.max_distance);
   const auto start = std::chrono::steady_clock::now();
   PrefetchReport built;
   if (options.build == BuildMode::kFull) {

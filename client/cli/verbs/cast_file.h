@@ -1,4 +1,5 @@
-// Casts the rays of a file, and writes what they hit to another.
+// Casts the rays of a file, and writes what they hit to another; or the points of a file, and what
+// is nearest to them.
 #pragma once
 
 #include <optional>
@@ -23,6 +24,8 @@ struct CastFileRequest {
   std::optional<files::Format> out_format;  ///< not set: by the suffix of `out`
   bool names = true;                        ///< CSV begins with a line of names
   CastOptions options;
+  files::RowKind asked = files::RowKind::kRays;
+  std::optional<double> max_distance{};  ///< of points
 };
 
 /// What is asked about rays that are open already.
@@ -30,9 +33,12 @@ struct CastRequest {
   std::string scene;
   HitFields fields;
   CastOptions options;
+  files::RowKind asked = files::RowKind::kRays;
+  std::optional<double> max_distance{};  ///< of points
 };
 
 struct CastOutcome {
+  files::RowKind asked = files::RowKind::kRays;
   CastReport cast;
   double seconds = 0;
   float float_reach = 0;  ///< the largest coordinate of the origins, if the file has float32

@@ -21,15 +21,18 @@ RaySource<float> watch_reach(RaySource<float> source, float& reach) {
   };
 }
 
-std::string origin_precision_warning(float reach, const std::array<double, 6>& bounds) {
+std::string origin_precision_warning(float reach, const std::array<double, 6>& bounds,
+                                     files::RowKind asked) {
   const double diagonal =
       std::hypot(bounds[3] - bounds[0], bounds[4] - bounds[1], bounds[5] - bounds[2]);
   const auto spacing =
       static_cast<double>(std::nextafter(reach, std::numeric_limits<float>::infinity()) - reach);
   if (!(spacing > kMaxSpacing * diagonal)) return {};
   return fmt::format(
-      "rays are float32 and begin up to {:.3g} from the origin, where float32 values are {:.2g} "
-      "apart; the scene's diagonal is {:.3g}: write them as float64",
+      "{} up to {:.3g} from the origin, where float32 values are {:.2g} apart; the scene's "
+      "diagonal "
+      "is {:.3g}: write them as float64",
+      asked == files::RowKind::kRays ? "rays are float32 and begin" : "points are float32 and lie",
       reach, spacing, diagonal);
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "client/cast_options.h"
+#include "client/cli/files/row_layout.h"
 
 namespace sightline::client::cli::verbs {
 
@@ -18,6 +19,7 @@ RaySource<float> watch_reach(RaySource<float> source, float& reach);
 
 /// The warning for rays with origins as far out as `reach`, in a scene with these bounds (min x y
 /// z, max x y z). Empty if the precision suffices.
-std::string origin_precision_warning(float reach, const std::array<double, 6>& bounds);
+std::string origin_precision_warning(float reach, const std::array<double, 6>& bounds,
+                                     files::RowKind asked = files::RowKind::kRays);
 
 }  // namespace sightline::client::cli::verbs

@@ -18,6 +18,10 @@ constexpr std::array<RayFaultInfo, kRayFaults> kFaults{
      {"origin_too_far", "an origin beyond 2^250"},
      {"direction_out_of_range", "a direction below 2^-1000 or beyond 2^1001"}}};
 
+constexpr RayFaultInfo kPositionNotFinite{"position_not_finite", "a position that is not finite"},
+    kPositionTooFar{"position_too_far", "a position beyond 2^250"},
+    kMaxNan{"max_nan", "a max that is NaN"};
+
 constexpr double kFarthest = 0x1p250;
 constexpr double kShortest = 0x1p-1000;
 constexpr double kLongest = 0x1p1001;
@@ -35,19 +39,35 @@ void note(const RayColumns<Scalar>& rays, std::size_t i, RayWatch& watch) {
   RaysOnTheirWay::Ray ray;
   for (std::size_t k = 0; k < 3; ++k) {
     ray.origin[k] = static_cast<double>(rays.origins[3 * i + k]);
-    ray.direction[k] = static_cast<double>(rays.directions[3 * i + k]);
+    if (!rays.directions.empty())
+      ray.direction[k] = static_cast<double>(rays.directions[3 * i + k]);
   }
   const double tmin = rays.tmin.empty() ? 0 : static_cast<double>(rays.tmin[i]);
   const double tmax = rays.tmax.empty() ? std::numeric_limits<double>::infinity()
                                         : static_cast<double>(rays.tmax[i]);
-  const RayFault fault = fault_of(ray.origin.data(), ray.direction.data(), tmin, tmax);
+  const RayFault fault = rays.directions.empty()
+                             ? fault_of_point(ray.origin.data(), tmax)
+                             : fault_of(ray.origin.data(), ray.direction.data(), tmin, tmax);
   ++watch.faults[static_cast<std::size_t>(fault)];
   if (watch.on_their_way != nullptr) watch.on_their_way->add(ray);
 }
 
 }  // namespace
 
-const RayFaultInfo& info_of(RayFault fault) { return kFaults[static_cast<std::size_t>(fault)]; }
+const RayFaultInfo& info_of(RayFault fault, files::RowKind asked) {
+  if (asked == files::RowKind::kPoints) {
+    if (fault == RayFault::kOriginNotFinite) return kPositionNotFinite;
+    if (fault == RayFault::kOriginTooFar) return kPositionTooFar;
+    if (fault == RayFault::kBoundNan) return kMaxNan;
+  }
+  return kFaults[static_cast<std::size_t>(fault)];
+}
+
+RayFault fault_of_point(const double* position, double max) {
+  if (!all_finite(position)) return RayFault::kOriginNotFinite;
+  if (std::isnan(max)) return RayFault::kBoundNan;
+  return largest(position) > kFarthest ? RayFault::kOriginTooFar : RayFault::kNone;
+}
 
 RayFault fault_of(const double* origin, const double* direction, double tmin, double tmax) {
   if (!all_finite(origin)) return RayFault::kOriginNotFinite;

@@ -1,5 +1,5 @@
-// What the command notes of rays on their way to the server: why some are invalid, and where they
-// begin and point.
+// What the command notes of rays and points on their way to the server: why some are invalid, and
+// where they are.
 #pragma once
 
 #include <array>
@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "client/cast_options.h"
+#include "client/cli/files/row_layout.h"
 
 namespace sightline::client::cli::verbs {
 
@@ -29,10 +30,13 @@ struct RayFaultInfo {
   std::string_view key;   ///< in JSON
   std::string_view text;  ///< after "3 rays with "
 };
-const RayFaultInfo& info_of(RayFault fault);
+/// A fault of an origin is one of a point's position, and a fault of a bound one of its max.
+const RayFaultInfo& info_of(RayFault fault, files::RowKind asked = files::RowKind::kRays);
 
 /// The fault of a ray, as the server judges it. `origin` and `direction` have three numbers each.
 RayFault fault_of(const double* origin, const double* direction, double tmin, double tmax);
+/// The same for a point.
+RayFault fault_of_point(const double* position, double max);
 
 /// Rays that are on their way, by number. Threads: one adds, one takes.
 class RaysOnTheirWay {
@@ -59,7 +63,8 @@ struct RayWatch {
   RaysOnTheirWay* on_their_way = nullptr;          ///< null: not needed
 };
 
-/// A source of the same rays. `watch` must outlive it. Scalar is float or double.
+/// A source of the same rays, or points: buffers without directions. `watch` must outlive it.
+/// Scalar is float or double.
 template <class Scalar>
 RaySource<Scalar> watched(RaySource<Scalar> source, RayWatch& watch);
 

@@ -27,6 +27,7 @@ void add_backup_verbs(CLI::App& program, Session& session);
 void add_cast_verb(CLI::App& program, Session& session);
 void add_completion_verb(CLI::App& program, Session& session);
 void add_load_verb(CLI::App& program, Session& session);
+void add_nearest_verb(CLI::App& program, Session& session);
 void add_prefetch_verb(CLI::App& program, Session& session);
 void add_render_verb(CLI::App& program, Session& session);
 void add_stats_verb(CLI::App& program, Session& session);

@@ -33,12 +33,29 @@ TEST(Columns, AnOmittedBoundIsFilledIn) {
   std::vector<double> origins(3), directions(3), tmin(1), tmax(1);
   const RayColumns<double> buffer{origins, directions, tmin, tmax};
   const RayColumns<const double> with_tmin{.origins = kSix, .directions = kSix, .tmin = kTwo};
-  copy_rays(with_tmin, 1, buffer);
+  copy_part(with_tmin, 1, buffer);
   EXPECT_EQ(origins, (std::vector<double>{4, 5, 6}));
   EXPECT_EQ(tmin[0], 8);
   EXPECT_EQ(tmax[0], std::numeric_limits<double>::infinity());
   EXPECT_TRUE(shape_of(with_tmin).interval);
   EXPECT_FALSE(shape_of(RayColumns<const double>{kSix, kSix}).interval);
+}
+
+TEST(Columns, PointsAreCopiedPartByPart) {
+  const std::vector<std::uint32_t> masks{3, 4};
+  const PointColumns<const double> points{kSix, kTwo, masks};
+  EXPECT_TRUE(shape_of(points).max_distance && shape_of(points).masks);
+  std::vector<double> positions(9), most(3);
+  std::vector<std::uint32_t> copied(3);
+  const auto source = source_of(points);
+  EXPECT_EQ(*source({positions, most, copied}), 2U);
+  EXPECT_EQ(positions[5], 6);
+  EXPECT_EQ(most, (std::vector<double>{7, 8, 0}));
+  EXPECT_EQ(copied, (std::vector<std::uint32_t>{3, 4, 0}));
+  EXPECT_EQ(*source({positions, most, copied}), 0U);
+  EXPECT_FALSE(check_rows(PointColumns<const double>{kTwo}, HitColumns{}));
+  EXPECT_EQ(check_rows(PointColumns<const double>{kSix, kSix}, HitColumns{}).error().message,
+            "max_distance holds 6 values, but 2 points need 2");
 }
 
 TEST(Columns, HitsAreCopiedToTheirRows) {

@@ -147,6 +147,7 @@ TEST_F(Program, HelpHasExamplesForEveryVerb) {
                                                     {"scene", "nodes", "--help"},
                                                     {"scene", "rm", "--help"},
                                                     {"cast", "--help"},
+                                                    {"nearest", "--help"},
                                                     {"prefetch", "--help"},
                                                     {"render", "--help"},
                                                     {"rtrace", "--help"},

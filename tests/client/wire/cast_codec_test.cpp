@@ -35,6 +35,28 @@ TEST(CastCodec, ARequestSaysWhetherItMayBeAnsweredInPart) {
   EXPECT_EQ(request.time_budget_ms(), 1U);
 }
 
+TEST(CastCodec, PointsAreDescribedAsRaysAre) {
+  v1::Points points;
+  resize_columns<float>(5, PointShape{.max_distance = true}, points);
+  EXPECT_EQ(points.count(), 5U);
+  EXPECT_EQ(points.max_distance().size(), 5 * sizeof(float));
+  trim<float>(2, PointShape{.max_distance = true}, points);
+  EXPECT_EQ(points.positions().size(), 2 * 3 * sizeof(float));
+  v1::QueryPointsRequest request;
+  describe("projects/p/scenes/s", {.t = true},
+           {.kind = QueryKind::kAll, .root = 7, .max_hits = 3, .allow_partial = true}, request);
+  EXPECT_EQ(request.kind(), v1::QUERY_KIND_ALL);
+  EXPECT_EQ(request.fields_size(), 2) << "t and hit";
+  EXPECT_EQ(request.root(), 7U);
+  EXPECT_EQ(request.max_hits(), 3U);
+  EXPECT_TRUE(request.allow_partial());
+}
+
+TEST(CastCodec, AnIncompleteAnswerNamesWhatWasAsked) {
+  EXPECT_EQ(view_hits(v1::QueryPointsResponse(), {.t = true}, 3).error().message,
+            "the server's answer to 3 points lacks a column, or rows of one");
+}
+
 v1::CastRaysResponse reply_with_names(const std::vector<std::uint32_t>& rows) {
   v1::CastRaysResponse reply;
   v1::HitColumn& column = *reply.add_columns();

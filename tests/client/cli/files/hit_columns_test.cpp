@@ -43,6 +43,30 @@ TEST(HitColumns, EveryKindHasItsColumns) {
   EXPECT_FALSE(check_columns({HitColumn::kCount}, QueryKind::kAny));
 }
 
+TEST(HitColumns, PointsHaveTheirOwn) {
+  constexpr RowKind kPoints = RowKind::kPoints;
+  const auto names_of_points = [](const std::vector<HitColumn>& columns) {
+    std::string text;
+    for (const HitColumn column : columns) text += std::string(info_of(column, kPoints).name) + " ";
+    return text;
+  };
+  EXPECT_EQ(names_of_points(standard_columns(QueryKind::kClosest, kPoints)),
+            "distance node primitive u v x y z ");
+  EXPECT_EQ(names_of_points(standard_columns(QueryKind::kAll, kPoints)),
+            "point distance node primitive u v x y z ");
+  EXPECT_EQ(names_of_points(standard_columns(QueryKind::kCount, kPoints)), "count ");
+  const auto columns = parse_hit_columns("name,nx,z,distance", kPoints);
+  ASSERT_TRUE(columns);
+  EXPECT_EQ(names_of_points(*columns), "distance z nx name ");
+  EXPECT_TRUE(check_columns(*columns, QueryKind::kAll, kPoints));
+  EXPECT_FALSE(check_columns(*columns, QueryKind::kAny, kPoints));
+  EXPECT_FALSE(parse_hit_columns("t", kPoints));
+  EXPECT_FALSE(parse_hit_columns("x"));
+  EXPECT_FALSE(parse_hit_columns("name"));
+  const HitFields fields = fields_for(*columns);
+  EXPECT_TRUE(fields.t && fields.position && fields.normal && fields.name);
+}
+
 TEST(HitColumns, UnknownNamesAreErrors) {
   for (const char* text : {"", "t,", "t,t", "T", "normal", " t"})
     EXPECT_FALSE(parse_hit_columns(text)) << text;
@@ -95,6 +119,25 @@ TEST(HitRows, AreOneForEachHitAndOneForABadRay) {
     EXPECT_EQ(view.t[3], 3);
     EXPECT_EQ(view.barycentric[6], 0.5F);
   }
+}
+
+TEST(HitRows, HavePositionsAndNames) {
+  const Answers answers;
+  const std::vector<double> position{1, 2, 3, 4, 5, 6, 7, 8, 9};
+  const std::vector<std::uint32_t> name{1, 0, 1};
+  HitView hits = answers.view();
+  hits.position = position;
+  hits.name = name;
+  hits.names = {"", "door"};
+  HitRows rows;
+  const RowView view = rows.make(0, hits);
+  EXPECT_EQ(view.position[5], 6);
+  EXPECT_TRUE(std::isnan(view.position[6])) << "the bad ray's";
+  EXPECT_EQ(view.position[9], 7);
+  EXPECT_EQ(name_of(view, 0), "door");
+  EXPECT_EQ(name_of(view, 1), "");
+  EXPECT_EQ(name_of(view, 2), "");
+  EXPECT_EQ(name_of(view, 3), "door");
 }
 
 TEST(HitRows, AreCountedWithoutColumnT) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cstring>
 #include <limits>
 #include <string>
 #include <vector>
@@ -56,6 +57,32 @@ TEST(HitFormat, PlyLeavesMissesOut) {
   EXPECT_EQ(formatted(*ply).size(), 5 * sizeof(double));
   const HitAndMiss rows;
   EXPECT_EQ(hit_point(rows.view(), 0), (std::array<double, 3>{1, 2, 1}));
+}
+
+TEST(HitFormat, PlyOfPointsHasTheAskedPoints) {
+  const auto ply =
+      make_hit_format(Format::kPly, {.columns = {HitColumn::kT}, .asked = RowKind::kPoints});
+  EXPECT_NE(ply->header(1).find("property double distance\n"), std::string::npos);
+  std::array<double, 4> numbers{};
+  const std::string bytes = formatted(*ply);
+  ASSERT_EQ(bytes.size(), sizeof(numbers));
+  std::memcpy(numbers.data(), bytes.data(), sizeof(numbers));
+  EXPECT_EQ(numbers, (std::array<double, 4>{1, 2, 3, 2}));
+}
+
+TEST(HitFormat, NamesAreQuotedWhereTheyMustBe) {
+  const std::vector<std::uint32_t> name{0, 1, 2};
+  RowView rows;
+  rows.name = name;
+  rows.names = {"door", "a \"b\", c", "two\nlines"};
+  const HitFormatOptions options{.columns = {HitColumn::kName}, .asked = RowKind::kPoints};
+  std::string csv, json;
+  make_hit_format(Format::kCsv, options)->add(rows, 3, csv);
+  EXPECT_EQ(csv, "door\n\"a \"\"b\"\", c\"\ntwo\\x0alines\n");
+  make_hit_format(Format::kNdjson, options)->add(rows, 3, json);
+  EXPECT_EQ(json,
+            "{\"name\":\"door\"}\n{\"name\":\"a \\\"b\\\", c\"}\n"
+            "{\"name\":\"two\\nlines\"}\n");
 }
 
 TEST(HitFormat, NpyHasTheShapeOfTheRays) {

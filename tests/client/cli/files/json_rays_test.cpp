@@ -15,14 +15,14 @@ constexpr double kNoEnd = std::numeric_limits<double>::infinity();
 
 RayRow json_row(const std::string& line) {
   RayRow row{};
-  const Status good = parse_ray(line, row);
+  const Status good = parse_json_row(line, row);
   EXPECT_TRUE(good) << good.error().message;
   return row;
 }
 
 std::string json_fault(const std::string& line) {
   RayRow row{};
-  const Status good = parse_ray(line, row);
+  const Status good = parse_json_row(line, row);
   return good ? "none" : good.error().message;
 }
 

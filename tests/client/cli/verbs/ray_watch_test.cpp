@@ -75,7 +75,41 @@ TEST(RayWatch, CountsFaultsAndKeepsRaysUntilTheyAreForgotten) {
   EXPECT_EQ(rays.at(12).direction[2], 0x1p1001);
 }
 
+struct WatchedPoint {
+  std::array<double, 3> position;
+  double max;
+  RayFault fault;
+};
+
+const std::vector<WatchedPoint> kWatchedPoints{
+    {{0, 0, 1}, kBeyond, RayFault::kNone},
+    {{0, 0, 1}, -1, RayFault::kNone},
+    {{0, kNotANumber, 1}, kBeyond, RayFault::kOriginNotFinite},
+    {{0, 0, -kBeyond}, kBeyond, RayFault::kOriginNotFinite},
+    {{0, 0, 1}, kNotANumber, RayFault::kBoundNan},
+    {{0, 0x1p250, 1}, kBeyond, RayFault::kNone},
+    {{0, 0x1.001p250, 1}, kBeyond, RayFault::kOriginTooFar}};
+
 using RayWatchLive = tests::LiveClient;
+
+TEST_F(RayWatchLive, TheServerJudgesPointsTheSame) {
+  ASSERT_TRUE(upload_scene(client_, tests::kScene, tests::row_of_sheets(1), {}));
+  std::vector<double> positions, most;
+  for (const WatchedPoint& point : kWatchedPoints) {
+    positions.insert(positions.end(), point.position.begin(), point.position.end());
+    most.push_back(point.max);
+  }
+  std::vector<std::uint8_t> hit(kWatchedPoints.size());
+  const auto report =
+      client_.nearest(tests::kScene, PointColumns<const double>{positions, most}, {.hit = hit});
+  ASSERT_TRUE(report) << report.error().message;
+  for (std::size_t i = 0; i < kWatchedPoints.size(); ++i) {
+    const RayFault fault = kWatchedPoints[i].fault;
+    EXPECT_EQ(fault_of_point(kWatchedPoints[i].position.data(), kWatchedPoints[i].max), fault) << i;
+    EXPECT_EQ(hit[i] == 2, fault != RayFault::kNone) << i;
+  }
+  EXPECT_EQ(info_of(RayFault::kOriginTooFar, files::RowKind::kPoints).key, "position_too_far");
+}
 
 TEST_F(RayWatchLive, TheServerJudgesTheSame) {
   const auto scene = tests::row_of_sheets(1);

@@ -1,0 +1,83 @@
+// The calls about rays and those about points: their messages are alike, field for field. Internal
+// to the library.
+#pragma once
+
+#include <memory>
+
+#include "client/cast_options.h"
+#include "client/points.h"
+#include "client/ray_generator.h"
+#include "client/result.h"
+#include "sightline/v1/query.grpc.pb.h"
+
+namespace sightline::client::calls {
+
+namespace v1 = ::sightline::v1;
+
+/// What belongs to a request: a reply, the messages of a stream, and the methods.
+template <class Request>
+struct CallsOf;
+
+template <>
+struct CallsOf<v1::CastRaysRequest> {
+  using Response = v1::CastRaysResponse;
+  using StreamRequest = v1::StreamCastRaysRequest;
+  using StreamResponse = v1::StreamCastRaysResponse;
+
+  static Status check(const CastOptions&) { return {}; }
+  static grpc::Status call(v1::RayQueryService::Stub& stub, grpc::ClientContext& context,
+                           const v1::CastRaysRequest& request, Response& response) {
+    return stub.CastRays(&context, request, &response);
+  }
+  static auto open(v1::RayQueryService::Stub& stub, grpc::ClientContext& context) {
+    return stub.StreamCastRays(&context);
+  }
+  static void clear_culling(v1::CastRaysRequest& request) { request.clear_culling(); }
+};
+
+template <>
+struct CallsOf<v1::QueryPointsRequest> {
+  using Response = v1::QueryPointsResponse;
+  using StreamRequest = v1::StreamQueryPointsRequest;
+  using StreamResponse = v1::StreamQueryPointsResponse;
+
+  /// Errors: kInvalidArgument, options that are about rays alone.
+  static Status check(const CastOptions& options) {
+    if (options.culling == Culling::kNone) return {};
+    return Error{
+        Code::kInvalidArgument, "points see both sides of a face: culling must be kNone", {}};
+  }
+  static grpc::Status call(v1::RayQueryService::Stub& stub, grpc::ClientContext& context,
+                           const v1::QueryPointsRequest& request, Response& response) {
+    return stub.QueryPoints(&context, request, &response);
+  }
+  static auto open(v1::RayQueryService::Stub& stub, grpc::ClientContext& context) {
+    return stub.StreamQueryPoints(&context);
+  }
+  static void clear_culling(v1::QueryPointsRequest&) {}
+};
+
+template <class Rows>
+struct RequestOfRows;
+template <class Scalar>
+struct RequestOfRows<RayColumns<Scalar>> {
+  using Type = v1::CastRaysRequest;
+};
+template <class Scalar>
+struct RequestOfRows<PointColumns<Scalar>> {
+  using Type = v1::QueryPointsRequest;
+};
+template <>
+struct RequestOfRows<RayGenerator> {
+  using Type = v1::CastRaysRequest;
+};
+template <>
+struct RequestOfRows<PointGrid> {
+  using Type = v1::QueryPointsRequest;
+};
+
+/// The request that has such rows: columns of any kind, or what makes them.
+template <class Rows>
+using RequestOf = typename RequestOfRows<Rows>::Type;
+
+}  // namespace sightline::client::calls
