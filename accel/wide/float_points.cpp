@@ -133,7 +133,7 @@ std::uint32_t near_box(const Packet& packet, const geometry::Aabb& box, std::uin
     float squared = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const float at = near.high[axis][lane];
-      const float off = near.off[lane] + std::fabs(near.low[axis][lane]);
+      const float off = off_of_boxes(near, axis, lane);
       const float gap = std::max(std::max(box.lo[axis] - at, at - box.hi[axis]) - off, 0.0f);
       squared += gap * gap;
     }

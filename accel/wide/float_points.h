@@ -2,6 +2,8 @@
 // bounds.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -20,6 +22,12 @@ void tighten_point(Packet& packet, std::size_t lane);
 
 /// The points of `lanes` from which a box, in the tree's frame, may be near enough.
 std::uint32_t near_box(const Packet& packet, const geometry::Aabb& box, std::uint32_t lanes);
+
+/// How far a point may be off on an axis, for boxes. It is finite: the box of a child that does not
+/// exist is infinitely far.
+inline float off_of_boxes(const FloatPoints& near, std::size_t axis, std::size_t lane) {
+  return std::min(near.off[lane], 0x1p+100f) + std::fabs(near.low[axis][lane]);
+}
 
 /// The point of a lane in the scene.
 geometry::Vec3d scene_point(const Packet& packet, std::size_t lane);

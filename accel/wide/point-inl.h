@@ -17,6 +17,7 @@
 #include "accel/blocks/block.h"
 #include "accel/wide/distance-inl.h"
 #include "accel/wide/exact.h"
+#include "accel/wide/float_points.h"
 #include "accel/wide/gather-inl.h"
 #include "accel/wide/walk-inl.h"
 #include "accel/wide/walk.h"
@@ -35,7 +36,7 @@ class Point {
     const FloatPoints& near = packet_.near;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       at_[axis] = Boxes::set(near.high[axis][lane]);
-      off_[axis] = Boxes::set(near.off[lane] + std::fabs(near.low[axis][lane]));
+      off_[axis] = Boxes::set(off_of_boxes(near, axis, lane));
     }
   }
 

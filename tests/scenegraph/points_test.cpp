@@ -215,6 +215,20 @@ TEST(Points, AreInvalidOrFarAway) {
   EXPECT_EQ(hits[5].t, 1);
 }
 
+/// Floats know nothing of these points: they visit all of a tree, and no more.
+TEST(Points, BeyondFloatsEqualTheOracle) {
+  Scene scene;
+  ASSERT_TRUE(scene.apply({tests::put_node(-1, 0, tests::mesh_of(tests::icosphere(3)), {})}));
+  const auto snapshot = scene.snapshot();
+  ASSERT_TRUE(query::build_all(*snapshot, nullptr, nullptr));
+  const std::vector<Vec3d> at{{0x1p+61, 0, 0},
+                              {0, -0x1p+90, 3},
+                              {0x1p+200, 0x1p+199, 0},
+                              {0, 0, 0x1p+59},
+                              {0x1p+40, 0x1p+40, 1}};
+  expect_nearest(*snapshot, BruteNearest(snapshot), at, options_of_points());
+}
+
 TEST(Points, HaveTheWeightsOfTheNearestPoint) {
   Scene scene;
   ASSERT_TRUE(scene.apply({tests::put_node(-1, 0, tests::mesh_of(tests::single_triangle()), {})}));
