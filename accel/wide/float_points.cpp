@@ -77,7 +77,8 @@ double scene_off(const Packet& packet, std::size_t lane) {
            0x1p-50 *
                (std::fabs(x) + std::fabs(y) + std::fabs(z) + std::fabs(row[3]) + std::fabs(given));
   }
-  return off < kInfinity ? off : kInfinity;
+  if (off < kInfinity) return off;
+  return kInfinity;
 }
 
 float squared_limit(float limit) {
@@ -92,10 +93,11 @@ bool set_point(Packet& packet, const Frame& frame, std::size_t lane) {
     const double at = (packet.rays.origin[axis][lane] - static_cast<double>(frame.center[axis])) *
                       static_cast<double>(frame.scale);
     const bool in_range = std::fabs(at) <= kLargestPoint;
-    most = std::max(most, in_range ? std::fabs(at) : kInfinity);
-    const auto high = static_cast<float>(in_range ? at : 0);
+    most = std::max(most, std::fabs(at));
+    if (!in_range) most = kInfinity;
+    const auto high = static_cast<float>(in_range ? at : 0.0);
     near.high[axis][lane] = high;
-    near.low[axis][lane] = static_cast<float>((in_range ? at : 0) - static_cast<double>(high));
+    near.low[axis][lane] = static_cast<float>((in_range ? at : 0.0) - static_cast<double>(high));
   }
   const float size = std::max(packet.extent, static_cast<float>(std::min(most, kLargestPoint)));
   const int exponent = std::ilogb(std::max(size, std::numeric_limits<float>::min())) + 3;
@@ -161,7 +163,7 @@ std::uint32_t prepare_points(Packet& packet, const Frame& frame, std::uint32_t l
     const double sure = (packet.rays.tmax[lane] - off) / near.per_local * (1 - 0x1p-50);
     near.sure[lane] = sure > 0 ? std::min(geometry::round_down(sure * packet.scale),
                                           std::numeric_limits<float>::max())
-                               : -1;
+                               : -1.0f;
     const double slack = 2 * off * near.per_scene * packet.scale * (1 + 0x1p-50);
     near.slack[lane] =
         slack < 0x1p+100 ? geometry::round_up(slack) : std::numeric_limits<float>::infinity();
