@@ -8,8 +8,10 @@
 #include <limits>
 #include <vector>
 
+#include "accel/wide/float_rays.h"
 #include "accel/wide/given_rays.h"
 #include "accel/wide/transform.h"
+#include "accel/wide/walk.h"
 #include "tests/support/random.h"
 
 namespace sightline::accel::wide {
