@@ -6,26 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <span>
 #include <string_view>
+
+#include "proto/rays/checks.h"
 
 namespace sightline::proto::rays {
 namespace {
-
-using Found = std::optional<Problem>;
-
-Found check_numbers(std::string_view name, std::span<const double> numbers) {
-  for (const double number : numbers) {
-    if (!std::isfinite(number))
-      return Problem{fmt::format("{} holds {}, which is not finite", name, number), "NOT_FINITE"};
-  }
-  return {};
-}
-
-Found check_side(std::string_view name, std::uint32_t side) {
-  if (side >= 1 && side <= kMaxSide) return {};
-  return Problem{fmt::format("{} is {}, not from 1 to {}", name, side, kMaxSide), "BAD_SIZE"};
-}
 
 Found check_angles(std::string_view name, const std::array<double, 2>& angles) {
   for (const double angle : angles) {

@@ -4,25 +4,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <string_view>
+
+#include "proto/rays/checks.h"
 
 namespace sightline::proto::rays {
 namespace {
-
-using Found = std::optional<Problem>;
-
-Found check_vector(std::string_view name, const Vector& vector) {
-  for (const double number : vector) {
-    if (!std::isfinite(number))
-      return Problem{fmt::format("{} holds {}, which is not finite", name, number), "NOT_FINITE"};
-  }
-  return {};
-}
-
-Found check_side(std::string_view name, std::uint32_t side) {
-  if (side >= 1 && side <= kMaxSide) return {};
-  return Problem{fmt::format("{} is {}, not from 1 to {}", name, side, kMaxSide), "BAD_SIZE"};
-}
 
 std::uint64_t total_of(const PointGrid& grid) {
   return std::uint64_t{grid.columns} * grid.rows * grid.layers;
@@ -31,10 +17,10 @@ std::uint64_t total_of(const PointGrid& grid) {
 }  // namespace
 
 std::optional<Problem> check(const PointGrid& grid) {
-  if (Found found = check_vector("origin", grid.origin)) return found;
-  if (Found found = check_vector("across", grid.across)) return found;
-  if (Found found = check_vector("down", grid.down)) return found;
-  if (Found found = check_vector("deep", grid.deep)) return found;
+  if (Found found = check_numbers("origin", grid.origin)) return found;
+  if (Found found = check_numbers("across", grid.across)) return found;
+  if (Found found = check_numbers("down", grid.down)) return found;
+  if (Found found = check_numbers("deep", grid.deep)) return found;
   if (Found found = check_side("columns", grid.columns)) return found;
   if (Found found = check_side("rows", grid.rows)) return found;
   if (Found found = check_side("layers", grid.layers)) return found;
