@@ -1,3 +1,4 @@
+// Faces are read once for all points of a packet.
 #include "accel/mesh/point_tests.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Limits and errors of points in a tree, by lane.
 #include "accel/wide/float_points.h"
 
 #include <algorithm>

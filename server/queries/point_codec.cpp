@@ -1,3 +1,4 @@
+// Decodes the points of a request, and grids of them.
 #include "server/queries/point_codec.h"
 
 #include <fmt/format.h>
