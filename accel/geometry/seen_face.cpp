@@ -107,15 +107,15 @@ bool in_range(const SeenFace& face) {
   return range.within(kLargestSize);
 }
 
-Vec3dd difference(const Vec3d& a, const Vec3d& b) {
+Vec3dd exact_difference(const Vec3d& a, const Vec3d& b) {
   return {two_sum(a.x, -b.x), two_sum(a.y, -b.y), two_sum(a.z, -b.z)};
 }
 
 void see_plain(const Vec3d& p, const std::array<Vec3f, 3>& vertices, SeenFace& face) {
   for (std::size_t i = 0; i < 3; ++i) {
     const Vec3d v(vertices[i]);
-    face.corner[i] = difference(v, p);
-    face.edge[i] = difference(Vec3d(vertices[corner_after(i)]), v);
+    face.corner[i] = exact_difference(v, p);
+    face.edge[i] = exact_difference(Vec3d(vertices[corner_after(i)]), v);
   }
 }
 

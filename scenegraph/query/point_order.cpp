@@ -8,20 +8,14 @@
 
 #include <tbb/parallel_sort.h>
 
+#include "scenegraph/query/morton.h"
+
 namespace sightline::scenegraph::query {
 namespace {
 
 /// Bits of each coordinate.
 constexpr int kBits = 10;
 constexpr double kUnit = 1, kNone = 0;
-
-/// Inserts two zeros before each bit of a number below 2^kBits.
-std::uint64_t spread(std::uint64_t x) {
-  x = (x | x << 16) & 0x030000ff;
-  x = (x | x << 8) & 0x0300f00f;
-  x = (x | x << 4) & 0x030c30c3;
-  return (x | x << 2) & 0x09249249;
-}
 
 /// The box of all finite coordinates.
 struct Extent {
@@ -65,7 +59,7 @@ OrderedPoints::OrderedPoints(const accel::geometry::RayColumns& points) : column
   for (std::size_t i = 0; i < points.size; ++i) {
     std::uint64_t code = 0;
     for (std::size_t axis = 0; axis < 3; ++axis)
-      code |= spread(extent.part_of(points.origin[axis][i], axis)) << axis;
+      code |= spread_bits(extent.part_of(points.origin[axis][i], axis)) << axis;
     keys[i] = code << 32 | i;
   }
   tbb::parallel_sort(keys.begin(), keys.end());

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "scenegraph/instances/instance_bounds.h"
+#include "scenegraph/query/morton.h"
 
 namespace sightline::scenegraph::query {
 namespace {
@@ -32,15 +33,6 @@ Vec3d center_of(const model::Affine& world_from_local, const model::Node& node) 
   return box.lo * 0.5 + box.hi * 0.5;
 }
 
-/// The bits of x, each followed by two zeros.
-std::uint64_t spread(std::uint64_t x) {
-  x = (x | x << 32) & 0x1f00000000ffff;
-  x = (x | x << 16) & 0x1f0000ff0000ff;
-  x = (x | x << 8) & 0x100f00f00f00f00f;
-  x = (x | x << 4) & 0x10c30c30c30c30c3;
-  return (x | x << 2) & 0x1249249249249249;
-}
-
 /// Cells of a cube that holds the box.
 class Grid {
  public:
@@ -50,8 +42,8 @@ class Grid {
   }
 
   std::uint64_t code(const Vec3d& point) const {
-    return spread(cell(point.x - lo_.x)) | spread(cell(point.y - lo_.y)) << 1 |
-           spread(cell(point.z - lo_.z)) << 2;
+    return spread_bits(cell(point.x - lo_.x)) | spread_bits(cell(point.y - lo_.y)) << 1 |
+           spread_bits(cell(point.z - lo_.z)) << 2;
   }
 
  private:

@@ -16,16 +16,6 @@ namespace {
 
 using accel::geometry::RayColumns;
 
-Status check_column(std::string_view name, const std::string& column, std::size_t points,
-                    std::size_t bytes) {
-  if (column.empty() || column.size() == points * bytes) return {};
-  return exec::invalid_argument(
-      fmt::format("column {} has {} bytes, expected {} ({} points of {} bytes, by the length of "
-                  "positions)",
-                  name, column.size(), points * bytes, points, bytes),
-      "COLUMN_LENGTH");
-}
-
 Status decode_vector(std::string_view name, const google::protobuf::RepeatedField<double>& numbers,
                      proto::rays::Vector& out) {
   if (numbers.size() != static_cast<int>(out.size())) {
@@ -57,12 +47,13 @@ Result<std::size_t> count_points(const v1::Points& columns) {
         "COLUMN_LENGTH");
   }
   if (const Status good = check_count(count); !good) return good.error();
-  if (const Status good = check_column("max_distance", columns.max_distance(), count, element);
-      !good)
-    return good.error();
-  if (const Status good = check_column("masks", columns.masks(), count, sizeof(std::uint32_t));
-      !good)
-    return good.error();
+  const auto check = [&](std::string_view column_name, const std::string& column,
+                         std::size_t size) {
+    return column.empty() ? Status()
+                          : check_column(column_name, column, count, size, "points", "positions");
+  };
+  if (const Status s = check("max_distance", columns.max_distance(), element); !s) return s.error();
+  if (const Status s = check("masks", columns.masks(), sizeof(std::uint32_t)); !s) return s.error();
   return count;
 }
 

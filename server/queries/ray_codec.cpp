@@ -23,21 +23,6 @@ const char* name_of_element(std::size_t bytes) {
   return bytes == sizeof(double) ? "float64" : "float32";
 }
 
-Status check_column(std::string_view name, const std::string& column, std::size_t rays,
-                    std::size_t bytes_per_ray) {
-  if (column.size() == rays * bytes_per_ray) return {};
-  return exec::invalid_argument(
-      fmt::format(
-          "column {} has {} bytes, expected {} ({} rays of {} bytes, by the length of origins)",
-          name, column.size(), rays * bytes_per_ray, rays, bytes_per_ray),
-      "COLUMN_LENGTH");
-}
-
-Status check_optional_column(std::string_view name, const std::string& column, std::size_t rays,
-                             std::size_t bytes_per_ray) {
-  return column.empty() ? Status() : check_column(name, column, rays, bytes_per_ray);
-}
-
 /// Checks that the number of rays that the request says, if it says one, is that of its bytes.
 Status check_said_count(const v1::Rays& columns, std::size_t rays, std::size_t element) {
   if (columns.count() == 0 || columns.count() == rays) return {};
@@ -48,10 +33,17 @@ Status check_said_count(const v1::Rays& columns, std::size_t rays, std::size_t e
 }
 
 Status check_columns(const v1::Rays& columns, std::size_t rays, std::size_t element) {
-  if (Status s = check_column("directions", columns.directions(), rays, 3 * element); !s) return s;
-  if (Status s = check_optional_column("tmin", columns.tmin(), rays, element); !s) return s;
-  if (Status s = check_optional_column("tmax", columns.tmax(), rays, element); !s) return s;
-  return check_optional_column("masks", columns.masks(), rays, sizeof(std::uint32_t));
+  const auto check = [&](std::string_view name, const std::string& column, std::size_t bytes) {
+    return check_column(name, column, rays, bytes, "rays", "origins");
+  };
+  const auto check_optional = [&](std::string_view name, const std::string& column,
+                                  std::size_t bytes) {
+    return column.empty() ? Status() : check(name, column, bytes);
+  };
+  if (Status s = check("directions", columns.directions(), 3 * element); !s) return s;
+  if (Status s = check_optional("tmin", columns.tmin(), element); !s) return s;
+  if (Status s = check_optional("tmax", columns.tmax(), element); !s) return s;
+  return check_optional("masks", columns.masks(), sizeof(std::uint32_t));
 }
 
 }  // namespace
@@ -69,6 +61,15 @@ Result<std::size_t> count_rays(const v1::Rays& columns) {
   if (const Status good = check_count(count); !good) return good.error();
   if (const Status good = check_columns(columns, count, element); !good) return good.error();
   return count;
+}
+
+Status check_column(std::string_view name, const std::string& column, std::size_t count,
+                    std::size_t bytes, std::string_view elements, std::string_view by) {
+  if (column.size() == count * bytes) return {};
+  return exec::invalid_argument(
+      fmt::format("column {} has {} bytes, expected {} ({} {} of {} bytes, by the length of {})",
+                  name, column.size(), count * bytes, count, elements, bytes, by),
+      "COLUMN_LENGTH");
 }
 
 Status check_count(std::size_t rays) {

@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <span>
+#include <string>
+#include <string_view>
 
 #include "accel/geometry/ray.h"
 #include "accel/geometry/ray_columns.h"
@@ -22,6 +24,11 @@ Result<std::size_t> count_rays(const v1::Rays& columns);
 
 /// Errors: kResourceExhausted over kMaxRaysPerRequest, as count_rays().
 Status check_count(std::size_t rays);
+
+/// Checks that a column has `count` elements of `bytes` each. `by` names the column that tells
+/// their number, `elements` what they are ("rays"). Errors: kInvalidArgument.
+Status check_column(std::string_view name, const std::string& column, std::size_t count,
+                    std::size_t bytes, std::string_view elements, std::string_view by);
 
 /// A view of `count` rays from `first` on. count_rays() has accepted the columns, which must
 /// outlive the view, and these rays are theirs. Values are not checked: the tracer marks invalid

@@ -17,6 +17,7 @@
 #include "client/cli/files/rtrace_rays.h"
 #include "client/cli/flags.h"
 #include "client/cli/nodes.h"
+#include "client/cli/reporting.h"
 #include "client/cli/terminal.h"
 #include "client/cli/verbs/cast_file.h"
 #include "client/cli/verbs/cast_report.h"
