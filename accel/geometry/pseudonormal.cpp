@@ -11,9 +11,6 @@
 namespace sightline::accel::geometry {
 namespace {
 
-using Matrix = std::array<double, 12>;
-using Vertices = std::array<Vec3f, 3>;
-
 /// The largest relative error of what is computed.
 constexpr double kMostError = 0x1p-46;
 

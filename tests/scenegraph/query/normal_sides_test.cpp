@@ -12,6 +12,7 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -66,7 +67,7 @@ std::vector<Side> sides_of(const SharedSnapshot& snapshot, std::span<const Ray> 
   return sides;
 }
 
-SharedSnapshot scene_of(const TestMesh& mesh, const Affine& frame = {}) {
+SharedSnapshot only_mesh(const TestMesh& mesh, const Affine& frame = {}) {
   return tests::snapshot_of({tests::put_node(-1, 0, tests::mesh_of(mesh), frame)});
 }
 
@@ -77,7 +78,7 @@ void expect_sides(const TestMesh& mesh, const Affine& frame, std::span<const Vec
                   const std::vector<bool>& inside) {
   const std::vector<Ray> points = points_of(at);
   for (const Growth growth : kGrowths) {
-    const std::vector<Side> sides = sides_of(scene_of(mesh, frame), points, options_of(growth));
+    const std::vector<Side> sides = sides_of(only_mesh(mesh, frame), points, options_of(growth));
     for (std::size_t i = 0; i < at.size(); ++i) {
       ASSERT_EQ(sides[i], inside[i] ? Side::kInside : Side::kOutside)
           << i << ": (" << at[i].x << ", " << at[i].y << ", " << at[i].z << ")";
@@ -240,8 +241,9 @@ TEST(NormalSides, OfSharpEdgesAreThoseOfAllFacesThatMeetThere) {
 TEST(NormalSides, OfAnAcuteEdgeDoNotFollowTheLesserFace) {
   // The edge from (-1, 0, 0) to (1, 0, 0) is nearest; each of its two faces is behind one of them.
   const TestMesh mesh = tetrahedron({Vec3f{-1, 0, 0}, {1, 0, 0}, {0, 0.1f, -1}, {0, -0.1f, -1}});
-  const std::vector<Vec3d> at{{0, 0, 0.5},    {0.1, 0.4, 0.01}, {0.1, -0.4, 0.01},
-                              {0, 0.3, 0.02}, {0, 0, 0x1p-60},  {0, 0, -0.5}};
+  const std::vector<Vec3d> at{{0, 0, 0.5},      {0.1, 0.4, 0.1},   {0.1, -0.4, 0.1},
+                              {0.1, 0.4, 0.01}, {0.1, -0.4, 0.01}, {0, 0, 0x1p-60},
+                              {0, 0, -0.5}};
   expect_sides(mesh, at, [](const Vec3d& p) { return p.z < 0; });
 }
 
@@ -371,7 +373,7 @@ TEST(NormalSides, OfInvalidPointsAreMarked) {
       {kNan, 0, 0}, {0, kInfinity, 0}, {0, 0, 0x1p+251}, {0, 0, 0}, {0, 0, 0x1p+249}, {0, 0, 0}});
   points.back().tmax = kNan;
   std::vector<Side> sides(points.size());
-  const auto found = sides_by_normal(*scene_of(tests::cube()), accel::geometry::columns_of(points),
+  const auto found = sides_by_normal(*only_mesh(tests::cube()), accel::geometry::columns_of(points),
                                      sides, options_of(Growth::kFirstTouch));
   ASSERT_TRUE(found);
   EXPECT_EQ(sides, (std::vector{Side::kInvalid, Side::kInvalid, Side::kInvalid, Side::kInside,
@@ -392,7 +394,7 @@ TEST(NormalSides, OfAnEmptySceneAreOutside) {
 }
 
 TEST(NormalSides, AreUnansweredOnceCancelled) {
-  const SharedSnapshot snapshot = scene_of(tests::icosphere(3));
+  const SharedSnapshot snapshot = only_mesh(tests::icosphere(3));
   const std::vector<Ray> points = points_of(std::vector<Vec3d>(1'000, Vec3d{0.5, 0, 0}));
   const std::atomic<bool> stopped{true};
   for (const Growth growth : kGrowths) {
@@ -409,6 +411,39 @@ TEST(NormalSides, AreUnansweredOnceCancelled) {
     EXPECT_EQ(found->rays, 0u);
     EXPECT_EQ(found->unanswered, points.size());
     EXPECT_EQ(sides, std::vector<Side>(points.size(), Side::kUnanswered));
+  }
+}
+
+TEST(NormalSides, AreRightOrUnansweredWhereTimeEnds) {
+  const TestMesh mesh = bumpy_sphere(4, 0.2, 7);
+  const std::vector<Ray> points = points_of(points_around(mesh, 4'000, 8));
+  const auto columns = accel::geometry::columns_of(points);
+  const std::vector<Side> expected =
+      sides_of(only_mesh(mesh), points, options_of(Growth::kFirstTouch));
+  for (int pause = 0; pause < 12; ++pause) {
+    const SharedSnapshot snapshot = only_mesh(mesh);
+    std::atomic<bool> stopped{false};
+    std::thread stopping([&] {
+      for (int i = 0; i < pause * 200; ++i) std::this_thread::yield();
+      stopped = true;
+    });
+    TraceOptions options = options_of(Growth::kFirstTouch);
+    options.cancelled = &stopped;
+    options.partial = true;
+    std::vector<Side> sides(points.size());
+    const auto found = sides_by_normal(*snapshot, columns, sides, options);
+    stopping.join();
+    ASSERT_TRUE(found);
+    std::size_t marked = 0;
+    for (std::size_t i = 0; i < sides.size(); ++i) {
+      if (sides[i] == Side::kUnanswered) {
+        ++marked;
+      } else {
+        ASSERT_EQ(sides[i], expected[i]) << i;
+      }
+    }
+    EXPECT_EQ(found->unanswered, marked);
+    EXPECT_EQ(found->rays, sides.size() - marked);
   }
 }
 
