@@ -93,6 +93,7 @@ Json json_of_cast(const CastOutcome& outcome, QueryKind kind, const SceneStats& 
             {"triangle_tests", cast.triangle_tests},
             {"instances_entered", cast.instances_entered}};
   if (kind == QueryKind::kCount || kind == QueryKind::kAll) json["hits_found"] = cast.hits_found;
+  if (outcome.inside) json["inside"] = *outcome.inside;
   if (kind == QueryKind::kAll) json[rows + "_cut_off"] = cast.rays_cut_off;
   return json;
 }
@@ -112,6 +113,7 @@ void print_cast_summary(std::FILE* to, const CastOutcome& outcome,
     fmt::print(to, "; {} triangles built",
                format_share(stats->triangles_built, stats->triangles_total));
   fmt::print(to, "\n");
+  if (outcome.inside) fmt::print(to, "{} inside\n", format_count(*outcome.inside));
   if (cast.hits_found > 0) {
     fmt::print(to, "{} {} found\n", format_count(cast.hits_found), has_rays ? "hits" : "faces");
   }
