@@ -44,7 +44,8 @@ struct SideColumns {
   std::vector<std::uint8_t> inside, votes;
 };
 
-// Points in and around kBox, none of them on its surface, with few enough bits that squares are exact.
+// Points in and around kBox, none of them on its surface, with few enough bits that squares are
+// exact.
 std::vector<double> points_around(std::size_t n) {
   std::mt19937_64 random(7);
   std::vector<double> positions(3 * n);
