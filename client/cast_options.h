@@ -112,7 +112,15 @@ struct HitFields {
   bool inside = false;
   bool votes = false;
 
+  bool operator==(const HitFields&) const = default;
+
   bool has_sides() const { return signed_distance || inside || votes; }
+  /// Whether sides are asked for, and nothing that needs a distance.
+  bool are_sides_alone() const {
+    HitFields others = *this;
+    others.inside = others.votes = false;
+    return has_sides() && others == HitFields();
+  }
 };
 
 /// What is asked about each ray. All kinds see the same hits, whatever the limits, masks and other
@@ -185,7 +193,9 @@ struct CastReport {
   std::uint64_t revision = 0;  ///< the revision of the scene that answered every ray
   std::string token{};         ///< that revision's, for Consistency::at_least
   std::uint64_t rays = 0;
-  std::uint64_t hits = 0;  ///< rays with a hit, for every kind
+  /// rays with a hit, for every kind; 0 where HitFields::are_sides_alone(), as no face is looked
+  /// for
+  std::uint64_t hits = 0;
   std::uint64_t invalid = 0;
   std::uint64_t unanswered = 0;  ///< rays left unanswered; CastOptions::time_budget, allow_partial
   std::uint64_t hits_found = 0;  ///< kCount: the sum of the counts; kAll: the hits listed

@@ -196,6 +196,7 @@ Result<CastOutcome> cast_rays(const Client& client, CastRequest request, files::
   }
   watch(rays, outcome);
   if (request.max_distance) files::limit_distances(rays, *request.max_distance);
+  outcome.looks_for_faces = !request.fields.are_sides_alone();
   const auto start = std::chrono::steady_clock::now();
   PrefetchReport built;
   if (options.build == BuildMode::kFull) {

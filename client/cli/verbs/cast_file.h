@@ -41,6 +41,7 @@ struct CastRequest {
 struct CastOutcome {
   files::RowKind asked = files::RowKind::kRays;
   CastReport cast;
+  bool looks_for_faces = true;            ///< otherwise `hits` of the cast are none
   std::optional<std::uint64_t> inside{};  ///< the points that are, if `inside` was asked
   double seconds = 0;
   float float_reach = 0;  ///< the largest coordinate of the origins, if the file has float32

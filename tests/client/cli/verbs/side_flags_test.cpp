@@ -104,7 +104,12 @@ TEST_F(SideFlags, TheSummaryCountsWhatIsInside) {
   EXPECT_EQ(report["points"], 4);
   EXPECT_EQ(
       nlohmann::json::parse(sides({"--out", out, "--json", "--side", "winding"}).out)["inside"], 2);
-  EXPECT_NE(sides({"--out", out}).out.find("\n1 inside\n"), std::string::npos);
+  EXPECT_TRUE(
+      sides({"--out", out}).out.starts_with("4 points, 3 with a face, 1 inside, 1 invalid"));
+  const ProgramOutcome alone = ask({"--out", out, "--fields", "inside"});
+  EXPECT_TRUE(alone.out.starts_with("4 points, 1 inside, 1 invalid at revision ")) << alone.out;
+  EXPECT_TRUE(nlohmann::json::parse(ask({"--out", out, "--fields", "votes", "--json"}).out)["hits"]
+                  .is_null());
   const auto without = nlohmann::json::parse(ask({"--out", out, "--json"}).out);
   EXPECT_FALSE(without.contains("inside"));
 }
