@@ -15,7 +15,8 @@ namespace sightline::scenegraph {
 enum class SideRule : std::uint8_t {
   kParity,   ///< Inside: a ray from the point crosses an odd number of faces.
   kWinding,  ///< Inside: the ray does not meet as many faces from behind as from the front.
-  kNormal,   ///< Inside: behind the nearest face, or the faces that share the nearest edge or corner.
+  kNormal,   ///< Inside: behind the nearest face, or the faces that share the nearest edge or
+             ///< corner.
 };
 
 enum class Side : std::uint8_t { kOutside = 0, kInside = 1, kInvalid = 2, kUnanswered = 4 };

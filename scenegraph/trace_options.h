@@ -40,6 +40,9 @@ struct TraceOptions {
   /// Which hits are ignored, by the winding in the mesh's own frame, like normals: a mirrored
   /// instance keeps its outside. Culled hits do not exist for any kind.
   accel::geometry::Culling culling = accel::geometry::Culling::kNone;
+  /// For count_hits(): whether hits count that are beyond the origin exactly (geometry::is_ahead),
+  /// however near, in place of a tmin, which is 0.
+  bool from_origin = false;
   /// The nodes that rays see, from the traced snapshot; null: all. Must outlive the batch.
   const query::Selection* selection = nullptr;
   /// For list_hits(): the number of nearest hits kept for each ray.

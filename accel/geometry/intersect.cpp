@@ -98,6 +98,24 @@ double intersect_survivor(const LocalRay& ray, const Vec3f& af, const Vec3f& bf,
   return dot(normal, pa) / denominator + 0.0;  // + 0.0: no negative zero
 }
 
+bool is_ahead(const LocalRay& ray, double t, const Vec3f& af, const Vec3f& bf, const Vec3f& cf) {
+  const Vec3d a(af), b(bf), c(cf);
+  const Vec3d pa = a - ray.origin, pb = b - ray.origin, pc = c - ray.origin;
+  // The factor covers the rounding of the differences.
+  const double off = 1.01 * kHitError * std::max({max_norm(pa), max_norm(pb), max_norm(pc)});
+  if (t > off) return true;
+  if (t < -off) return false;
+  const auto normal = cross(difference(b, a), difference(c, a));
+  const bool faces_along = dot(normal, exactly(ray.direction)).sign() > 0;
+  const int height = dot(normal, difference(a, ray.origin)).sign();
+  if (height != 0) return (height > 0) == faces_along;
+  // N . (a - o(e)) is then -N . (e, e^2, e^3).
+  for (const ExactSum& component : normal) {
+    if (component.sign() != 0) return (component.sign() < 0) == faces_along;
+  }
+  return false;
+}
+
 Barycentric barycentric(const LocalRay& ray, double t, const Vec3f& af, const Vec3f& bf,
                         const Vec3f& cf) {
   const Vec3d a(af), b(bf), c(cf);

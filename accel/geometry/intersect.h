@@ -23,6 +23,10 @@ inline std::optional<double> intersect(const LocalRay& ray, const Vec3f& a, cons
 
 inline constexpr double kHitError = 0x1p-30;
 
+/// Whether a hit, which intersect() gives at t, lies beyond the ray's origin, and not before it:
+/// the sign of the exact t. A zero is resolved as the rule does, by the origin o + (e, e^2, e^3).
+bool is_ahead(const LocalRay& ray, double t, const Vec3f& a, const Vec3f& b, const Vec3f& c);
+
 /// Weights of vertices 1 and 2 at a hit; both >= 0, sum <= 1. The point they give is off the hit by
 /// at most 16 kHitError times the largest |v - o|.
 struct Barycentric {

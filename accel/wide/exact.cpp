@@ -246,7 +246,7 @@ std::uint32_t decide_together(Packet& packet, const LanePairs& pairs, std::uint3
     HWY_DYNAMIC_DISPATCH(judge_lanes)(packet.rays, packet.center, corners, verdicts);
   }
   std::uint32_t hit = verdicts.hit & ~verdicts.miss, taken = 0;
-  if (packet.culling != geometry::Culling::kNone) hit = 0;
+  if (packet.culling != geometry::Culling::kNone || packet.from_origin) hit = 0;
   for (lanes &= ~verdicts.miss; lanes != 0; lanes &= lanes - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
     const std::uint32_t* const words = pairs.block[lane];

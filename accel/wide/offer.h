@@ -2,6 +2,7 @@
 // where hits go.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -61,6 +62,10 @@ inline bool decide(Packet& packet, std::size_t lane, const geometry::LocalRay& r
                    const OfferedTriangle& triangle) {
   const std::optional<double> local = geometry::intersect(ray, a, b, c);
   if (!local || geometry::is_culled(packet.culling, ray, a, b, c)) return false;
+  if (packet.from_origin) {
+    return geometry::is_ahead(ray, *local, a, b, c) &&
+           offer(packet, lane, std::max(*local, 0.0) * ray.unit, triangle);
+  }
   return offer(packet, lane, *local * ray.unit, triangle);
 }
 

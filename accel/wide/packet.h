@@ -162,6 +162,9 @@ struct Packet {
   /// The transforms of the mesh that points are in, and back; null in trees of the scene.
   const Matrix *scene_from_local = nullptr, *local_from_scene = nullptr;
   geometry::Culling culling = geometry::Culling::kNone;
+  /// For Goal::kEvery, counted: whether hits count that geometry::is_ahead() finds beyond the
+  /// origin, in place of a tmin, which is 0.
+  bool from_origin = false;
   std::uint64_t node = 0;
   std::uint32_t instance = 0;
   PlacedMeshes placed;

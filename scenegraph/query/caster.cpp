@@ -52,6 +52,7 @@ Caster::Caster(accel::kdtree::EpochPin& pin, const instances::OpenTrees& trees, 
     packet->goal = goal(kind);
     packet->points = options.points ? &given_ : nullptr;
     packet->cancelled = options.cancelled;
+    packet->from_origin = options.from_origin;
   }
   if (!options.points) scene_.culling = mesh_.culling = options.culling;
   mesh_.scene_from_local = &world_from_local_.m;

@@ -8,13 +8,14 @@
 
 #include "server/queries/derived_columns.h"
 #include "server/queries/hit_codec.h"
+#include "server/queries/side_columns.h"
 #include "server/shards/peers.h"
 #include "server/shards/sharded_cast.h"
 
 namespace sightline::server::queries {
 namespace {
 
-/// Bytes of a reply with every field that DerivedColumns does not write.
+/// Bytes of a reply with every field that neither DerivedColumns nor SideColumns writes.
 constexpr std::size_t kReplyBytesPerRay = 48;
 /// Bytes of a decoded ray and its hit: enough for rays that are made for a slice, too.
 constexpr std::size_t kSliceBytesPerRay =
@@ -58,6 +59,7 @@ std::size_t CastAdmission::bytes_of(std::size_t request_bytes, const CastQuery& 
   const std::size_t listed = lists(query) ? std::min(rays * query.max_hits, kMaxHitsPerReply) : 0;
   std::size_t bytes = request_bytes + decoded * kSliceBytesPerRay + rays * kReplyBytesPerRay +
                       derived_bytes(query, lists(query) ? listed : rays);
+  if (query.sides) bytes += side_bytes(rays, decoded);
   if (lists(query))
     bytes += hit_pager_bytes(rays, query.max_hits, services_.compute.threads(), first_list());
   if (sharded) {

@@ -20,6 +20,13 @@ namespace {
 /// A stream that rests keeps the memory for this number of rays.
 constexpr std::size_t kIdleRays = 256;
 
+/// Most rays of one slice; of points with sides fewer, as each casts rays of its own.
+std::size_t rays_per_slice(const CastQuery& query) {
+  if (!query.sides) return kRaysPerSlice;
+  const std::size_t points = kRaysPerSlice / query.sides->rays;
+  return points / kRaysPerBitsByte * kRaysPerBitsByte;
+}
+
 std::uint64_t microseconds(std::chrono::steady_clock::duration time) {
   return static_cast<std::uint64_t>(
       std::chrono::duration_cast<std::chrono::microseconds>(time).count());
@@ -110,7 +117,8 @@ void CastJob::enqueue(v1::CastRaysResponse& reply, const Done& done) {
 /// Whether a few rays may be answered in the thread that asks: it must neither build nor wait.
 bool CastJob::is_immediate() const {
   if (begun_ || batch_.size() > kImmediateCast || query_.kind == scenegraph::QueryKind::kAll ||
-      query_.selects() || (query_.growth == scenegraph::Growth::kFull && !snapshot_->is_complete()))
+      query_.selects() || query_.sides ||
+      (query_.growth == scenegraph::Growth::kFull && !snapshot_->is_complete()))
     return false;
   return snapshot_->shared_trees().are_opened();
 }
@@ -304,9 +312,10 @@ Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
   if (answered_ == 0) {
     resize_columns(query_.fields, batch_.size(), batch_.size(), reply);
     derived_.begin(*snapshot_, query_.points, reply);
+    sides_.begin(reply);
     reply.clear_unanswered();
   }
-  const std::size_t count = std::min(batch_.size() - answered_, kRaysPerSlice);
+  const std::size_t count = std::min(batch_.size() - answered_, rays_per_slice(query_));
   const auto traced = trace_rays(count, options(), reply);
   if (!traced) return traced.error();
   stats_ += *traced;
@@ -336,6 +345,31 @@ Result<scenegraph::TraceStats> CastJob::trace_hits(const accel::geometry::RayCol
   return traced;
 }
 
+/// Writes the sides of the next points and, if other fields are asked, their nearest faces.
+Result<scenegraph::TraceStats> CastJob::trace_with_sides(const accel::geometry::RayColumns& points,
+                                                         accel::geometry::HitColumns& hits,
+                                                         const scenegraph::TraceOptions& options,
+                                                         v1::CastRaysResponse& reply) {
+  scenegraph::TraceStats stats;
+  if (!query_.sides_alone) {
+    sides_.add_sources(hits);
+    const auto traced = trace_hits(points, hits, options, reply);
+    if (!traced) return traced;
+    stats = *traced;
+  }
+  auto found = sides_.write(*snapshot_, points, *query_.sides, options, hits, answered_);
+  if (!found) return found;
+  if (found->unanswered > 0) mark_unanswered(sides_.sides(), answered_, batch_.size(), reply);
+  if (query_.sides_alone) return found;
+  // A point is one, and has its answer when it has both.
+  const std::uint64_t answered = std::min(stats.rays, found->rays);
+  found->rays = found->invalid = found->unanswered = 0;
+  stats += *found;
+  stats.unanswered += stats.rays - answered;
+  stats.rays = answered;
+  return stats;
+}
+
 /// Writes the answers to the next rays into the reply.
 Result<scenegraph::TraceStats> CastJob::trace_rays(std::size_t count,
                                                    const scenegraph::TraceOptions& options,
@@ -343,6 +377,7 @@ Result<scenegraph::TraceStats> CastJob::trace_rays(std::size_t count,
   const accel::geometry::RayColumns rays = batch_.view(answered_, count, made_);
   if (query_.kind != scenegraph::QueryKind::kCount) {
     accel::geometry::HitColumns hits = view_hits(reply, answered_, count);
+    if (query_.sides) return trace_with_sides(rays, hits, options, reply);
     return trace_hits(rays, hits, options, reply);
   }
   tallies_.resize(count);
@@ -366,6 +401,7 @@ void CastJob::rest() {
   tallies_ = {};
   states_ = {};
   derived_ = {};
+  sides_ = {};
   pager_ = {};
 }
 

@@ -27,6 +27,7 @@
 #include "server/queries/derived_columns.h"
 #include "server/queries/hit_codec.h"
 #include "server/queries/hit_pager.h"
+#include "server/queries/side_columns.h"
 #include "server/scenes/revision_wait.h"
 #include "server/scenes/services.h"
 #include "server/shards/sharded_cast.h"
@@ -143,6 +144,10 @@ class CastJob {
                                             accel::geometry::HitColumns& hits,
                                             const scenegraph::TraceOptions& options,
                                             v1::CastRaysResponse& reply);
+  Result<scenegraph::TraceStats> trace_with_sides(const accel::geometry::RayColumns& points,
+                                                  accel::geometry::HitColumns& hits,
+                                                  const scenegraph::TraceOptions& options,
+                                                  v1::CastRaysResponse& reply);
   Result<scenegraph::TraceStats> trace_immediate(const scenegraph::TraceOptions& options,
                                                  v1::CastRaysResponse& reply, bool& met_deferred);
   void describe(v1::CastRaysResponse& reply);
@@ -169,6 +174,7 @@ class CastJob {
   bool peers_asked_ = false;                                // `sharded_` has answers to take
   Clock::time_point sharded_since_;                         // the batch
   DerivedColumns derived_;                                  // the batch's, unless it lists hits
+  SideColumns sides_;                                       // the batch's
   scenegraph::TraceStats build_stats_;                      // a full build for the batch
   scenegraph::TraceStats stats_;                            // the batch's
   CastAdmission admission_;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <span>
 #include <string>
 
@@ -16,6 +17,7 @@ namespace {
 using accel::geometry::Culling;
 using scenegraph::Growth;
 using scenegraph::QueryKind;
+using scenegraph::SideRule;
 
 Result<QueryKind> decode_kind(v1::QueryKind kind) {
   switch (kind) {
@@ -100,6 +102,20 @@ const FieldsOfKind& fields_of(QueryKind kind) {
   return kClosest;
 }
 
+constexpr std::array kSideFields{v1::HIT_FIELD_SIGNED, v1::HIT_FIELD_INSIDE, v1::HIT_FIELD_VOTES};
+
+/// The fields of a kind for points: closest faces have sides, too.
+const FieldsOfKind& fields_of_points(QueryKind kind) {
+  static const FieldsOfKind kClosest = [] {
+    FieldsOfKind fields = fields_of(QueryKind::kClosest);
+    fields.optional.insert(fields.optional.end(), kSideFields.begin(), kSideFields.end());
+    return fields;
+  }();
+  return kind == QueryKind::kClosest ? kClosest : fields_of(kind);
+}
+
+using FieldsOf = const FieldsOfKind& (*)(QueryKind);
+
 bool contains(std::span<const v1::HitField> fields, v1::HitField field) {
   return std::find(fields.begin(), fields.end(), field) != fields.end();
 }
@@ -124,8 +140,7 @@ Status check_field(v1::HitField field, const FieldsOfKind& of_kind, v1::QueryKin
 }
 
 template <class Request>
-Status decode_fields(const Request& request, CastQuery& query) {
-  const FieldsOfKind& of_kind = fields_of(query.kind);
+Status decode_fields(const Request& request, const FieldsOfKind& of_kind, CastQuery& query) {
   std::vector<v1::HitField> asked;
   for (const int number : request.fields()) {
     const auto field = static_cast<v1::HitField>(number);
@@ -192,17 +207,65 @@ Status decode_shard(const Request& request, CastQuery& query) {
 
 /// Everything but culling.
 template <class Request>
-Result<CastQuery> decode_common(const Request& request, Growth policy) {
+Result<CastQuery> decode_common(const Request& request, Growth policy, FieldsOf fields_of_kind) {
   const auto kind = decode_kind(request.kind());
   if (!kind) return kind.error();
   const auto growth = decode_growth(request.build(), policy);
   if (!growth) return growth.error();
   CastQuery query{.kind = *kind, .growth = *growth};
-  if (const Status good = decode_fields(request, query); !good) return good.error();
+  if (const Status good = decode_fields(request, fields_of_kind(*kind), query); !good)
+    return good.error();
   if (const Status good = decode_max_hits(request, query); !good) return good.error();
   if (const Status good = decode_nodes(request, query); !good) return good.error();
   if (const Status good = decode_shard(request, query); !good) return good.error();
   return query;
+}
+
+bool is_of_sides(v1::HitField field) { return contains(kSideFields, field); }
+
+Result<SideRule> decode_side_rule(v1::SideRule rule) {
+  switch (rule) {
+    case v1::SIDE_RULE_UNSPECIFIED:
+    case v1::SIDE_RULE_PARITY:
+      return SideRule::kParity;
+    case v1::SIDE_RULE_WINDING:
+      return SideRule::kWinding;
+    case v1::SIDE_RULE_NORMAL:
+      return SideRule::kNormal;
+    default:
+      return exec::invalid_argument(
+          fmt::format("side rule {} is not known", static_cast<int>(rule)), "UNKNOWN_SIDE_RULE");
+  }
+}
+
+Status decode_sides(const v1::QueryPointsRequest& request, CastQuery& query) {
+  const auto rule = decode_side_rule(request.side_rule());
+  if (!rule) return rule.error();
+  if (std::none_of(query.fields.begin(), query.fields.end(), is_of_sides)) {
+    if (request.side_rule() == v1::SIDE_RULE_UNSPECIFIED && request.side_rays() == 0) return {};
+    return exec::invalid_argument(
+        fmt::format("side_rule is {} and side_rays is {}, but neither SIGNED, INSIDE nor VOTES is "
+                    "asked for",
+                    v1::SideRule_Name(request.side_rule()), request.side_rays()),
+        "SIDE_NOT_ASKED");
+  }
+  const scenegraph::SideQuestion question{*rule, std::max(request.side_rays(), 1u)};
+  const std::uint32_t most = *rule == SideRule::kNormal ? 1 : scenegraph::kMaxSideRays;
+  if (question.rays % 2 == 0 || question.rays > most) {
+    return exec::invalid_argument(
+        fmt::format("side_rays is {}: the number is odd, and for this rule at most {}",
+                    question.rays, most),
+        "SIDE_RAYS");
+  }
+  if (*rule == SideRule::kNormal && contains(query.fields, v1::HIT_FIELD_VOTES)) {
+    return exec::invalid_argument("SIDE_RULE_NORMAL casts no rays, so there is no HIT_FIELD_VOTES",
+                                  "FIELD_NOT_OF_RULE");
+  }
+  query.sides = question;
+  query.sides_alone = std::none_of(query.fields.begin(), query.fields.end(), [](v1::HitField f) {
+    return f != v1::HIT_FIELD_INSIDE && f != v1::HIT_FIELD_VOTES;
+  });
+  return {};
 }
 
 }  // namespace
@@ -210,14 +273,16 @@ Result<CastQuery> decode_common(const Request& request, Growth policy) {
 Result<CastQuery> decode_query(const v1::CastRaysRequest& request, Growth policy) {
   const auto culling = decode_culling(request.culling());
   if (!culling) return culling.error();
-  auto query = decode_common(request, policy);
+  auto query = decode_common(request, policy, fields_of);
   if (query) query->culling = *culling;
   return query;
 }
 
 Result<CastQuery> decode_query(const v1::QueryPointsRequest& request, Growth policy) {
-  auto query = decode_common(request, policy);
-  if (query) query->points = true;
+  auto query = decode_common(request, policy, fields_of_points);
+  if (!query) return query;
+  query->points = true;
+  if (const Status good = decode_sides(request, *query); !good) return good.error();
   return query;
 }
 

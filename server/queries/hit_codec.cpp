@@ -27,6 +27,7 @@ constexpr std::uint8_t kCutOff = 3;
 std::size_t column_bytes(v1::HitField field, std::size_t rays, std::size_t hits) {
   switch (field) {
     case v1::HIT_FIELD_T:
+    case v1::HIT_FIELD_SIGNED:
       return hits * sizeof(Hit::t);
     case v1::HIT_FIELD_NODE:
       return hits * sizeof(Hit::node);
@@ -42,6 +43,9 @@ std::size_t column_bytes(v1::HitField field, std::size_t rays, std::size_t hits)
       return hits * sizeof(std::uint32_t);
     case v1::HIT_FIELD_HIT:
       return rays * sizeof(HitState);
+    case v1::HIT_FIELD_INSIDE:
+    case v1::HIT_FIELD_VOTES:
+      return rays;
     case v1::HIT_FIELD_HIT_BITS:
       return (rays + kRaysPerBitsByte - 1) / kRaysPerBitsByte;
     case v1::HIT_FIELD_WORK:
@@ -199,6 +203,13 @@ void mark_unanswered(std::span<const RayTally> tallies, std::size_t first, std::
                      v1::CastRaysResponse& reply) {
   for (std::size_t i = 0; i < tallies.size(); ++i) {
     if (tallies[i].state == HitState::kUnanswered) set_unanswered(first + i, rays, reply);
+  }
+}
+
+void mark_unanswered(std::span<const scenegraph::Side> sides, std::size_t first, std::size_t rays,
+                     v1::CastRaysResponse& reply) {
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    if (sides[i] == scenegraph::Side::kUnanswered) set_unanswered(first + i, rays, reply);
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include "accel/geometry/hit_columns.h"
 #include "accel/geometry/ray.h"
+#include "scenegraph/sides.h"
 #include "scenegraph/trace.h"
 #include "sightline/v1/query.pb.h"
 
@@ -45,6 +46,8 @@ void mark_unanswered(std::span<const accel::geometry::HitState> states, std::siz
                      std::size_t rays, v1::CastRaysResponse& reply);
 void mark_unanswered(std::span<const scenegraph::RayTally> tallies, std::size_t first,
                      std::size_t rays, v1::CastRaysResponse& reply);
+void mark_unanswered(std::span<const scenegraph::Side> sides, std::size_t first, std::size_t rays,
+                     v1::CastRaysResponse& reply);
 
 /// Sets all of CastStats except queue_us and trace_us, which only the caller knows.
 void encode_stats(const scenegraph::TraceStats& stats, v1::CastStats& reply);

@@ -74,6 +74,33 @@ TEST(Intersect, AgreesWithExactIntegersOnDegenerateRays) {
   EXPECT_GT(hits, 1000);
 }
 
+TEST(Intersect, HitsLieAheadOrBehindExactly) {
+  tests::Random random(14);
+  int on_planes = 0;
+  for (int round = 0; round < 200'000; ++round) {
+    const auto v = [&] {
+      return Integers::V{static_cast<int>(random.below(5)), static_cast<int>(random.below(5)),
+                         static_cast<int>(random.below(5))};
+    };
+    const auto of = [](const Integers::V& w) {
+      return Vec3f{static_cast<float>(w[0]), static_cast<float>(w[1]), static_cast<float>(w[2])};
+    };
+    const Integers::V o = v(), a = v(), b = v(), c = v(), d = Integers::minus(v(), {2, 2, 2});
+    if (d == Integers::V{}) continue;
+    const LocalRay r = ray(Vec3d(of(o)), Vec3d(of(d)));
+    const auto t = intersect(r, of(a), of(b), of(c));
+    if (!t) continue;
+    const Integers::V normal = Integers::cross(Integers::minus(b, a), Integers::minus(c, a));
+    int height = Integers::sign(Integers::dot(normal, Integers::minus(a, o)));
+    on_planes += height == 0 ? 1 : 0;
+    for (std::size_t i = 0; height == 0; ++i) height = -Integers::sign(normal[i]);
+    const bool ahead = height == Integers::sign(Integers::dot(normal, d));
+    ASSERT_EQ(is_ahead(r, *t, of(a), of(b), of(c)), ahead) << "round " << round;
+    ASSERT_EQ(is_ahead(r, *t, of(a), of(c), of(b)), ahead) << "round " << round;
+  }
+  EXPECT_GT(on_planes, 1000);
+}
+
 TEST(Intersect, WindingDoesNotMatter) {
   tests::Random random(12);
   for (int round = 0; round < 50000; ++round) {

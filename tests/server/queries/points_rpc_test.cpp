@@ -5,14 +5,12 @@
 
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include "server/queries/ray_codec.h"
-#include "sightline/v1/query.grpc.pb.h"
-#include "tests/server/support/live_server.h"
+#include "tests/server/queries/points_rpc.h"
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
 
@@ -21,68 +19,15 @@ namespace {
 
 using accel::geometry::Vec3d;
 
-std::string bytes_of(const std::vector<double>& numbers) {
-  return {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double)};
-}
-
-template <class T>
-std::vector<T> values(const v1::QueryPointsResponse& reply, v1::HitField field) {
-  for (const v1::HitColumn& column : reply.columns()) {
-    if (column.field() != field) continue;
-    std::vector<T> out(column.data().size() / sizeof(T));
-    std::memcpy(out.data(), column.data().data(), column.data().size());
-    return out;
-  }
-  ADD_FAILURE() << "no column " << v1::HitField_Name(field);
-  return {};
-}
-
-class PointsRpc : public LiveServer {
- protected:
-  grpc::Status ask(const v1::QueryPointsRequest& request, v1::QueryPointsResponse& reply) {
-    grpc::ClientContext context;
-    return queries_->QueryPoints(&context, request, &reply);
-  }
-
-  v1::QueryPointsResponse answer(const v1::QueryPointsRequest& request) {
-    v1::QueryPointsResponse reply;
-    const grpc::Status status = ask(request, reply);
-    EXPECT_TRUE(status.ok()) << status.error_message();
-    return reply;
-  }
-
-  std::string refusal(const v1::QueryPointsRequest& request) {
-    v1::QueryPointsResponse reply;
-    const grpc::Status status = ask(request, reply);
-    EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-    return status.error_message();
-  }
-
-  const std::unique_ptr<v1::RayQueryService::Stub> queries_ =
-      v1::RayQueryService::NewStub(channel_);
-};
-
-v1::QueryPointsRequest request_of(const std::vector<double>& positions,
-                                  v1::QueryKind kind = v1::QUERY_KIND_CLOSEST,
-                                  const std::vector<v1::HitField>& fields = {}) {
-  v1::QueryPointsRequest request;
-  request.set_scene(kScene);
-  request.set_kind(kind);
-  for (const v1::HitField field : fields) request.add_fields(field);
-  request.mutable_points()->set_float64(true);
-  request.mutable_points()->set_positions(bytes_of(positions));
-  return request;
-}
-
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 TEST_F(PointsRpc, AnswerDistancesFacesAndPositions) {
   api_.make_scene(kScene, single_triangle());
   const double nan = std::numeric_limits<double>::quiet_NaN();
   auto request =
-      request_of({0.25, 0.5, 3, -3, -4, 0, 0.5, -2, 0, nan, 0, 0}, v1::QUERY_KIND_CLOSEST,
-                 {v1::HIT_FIELD_T, v1::HIT_FIELD_NODE, v1::HIT_FIELD_PRIMITIVE,
-                  v1::HIT_FIELD_POSITION, v1::HIT_FIELD_BARYCENTRIC, v1::HIT_FIELD_HIT});
+      points_request({0.25, 0.5, 3, -3, -4, 0, 0.5, -2, 0, nan, 0, 0}, v1::QUERY_KIND_CLOSEST,
+                     {v1::HIT_FIELD_T, v1::HIT_FIELD_NODE, v1::HIT_FIELD_PRIMITIVE,
+                      v1::HIT_FIELD_POSITION, v1::HIT_FIELD_BARYCENTRIC, v1::HIT_FIELD_HIT});
   const auto reply = answer(request);
   const auto t = values<double>(reply, v1::HIT_FIELD_T);
   ASSERT_EQ(t.size(), 4u);
@@ -108,7 +53,7 @@ TEST_F(PointsRpc, AnswerDistancesFacesAndPositions) {
 
 TEST_F(PointsRpc, AnswerOtherKindsWithinADistance) {
   api_.make_scene(kScene, cube());
-  auto request = request_of({0, 0, 1.5, 0, 0, 4}, v1::QUERY_KIND_COUNT);
+  auto request = points_request({0, 0, 1.5, 0, 0, 4}, v1::QUERY_KIND_COUNT);
   request.mutable_points()->set_max_distance(bytes_of({0.5, 1}));
   EXPECT_EQ(values<std::uint32_t>(answer(request), v1::HIT_FIELD_COUNT),
             (std::vector<std::uint32_t>{2, 0}));
@@ -147,7 +92,7 @@ TEST_F(PointsRpc, GridsAreTheSameAsTheirPoints) {
     positions.push_back(0.2 + x * 0.0 + y * 0.02 + z * 0.0);
     positions.push_back(0.3 + x * 0.003 + y * 0.0 + z * 0.07);
   }
-  const auto made = answer(grid), sent = answer(request_of(positions));
+  const auto made = answer(grid), sent = answer(points_request(positions));
   ASSERT_EQ(made.columns_size(), sent.columns_size());
   for (int i = 0; i < made.columns_size(); ++i)
     EXPECT_EQ(made.columns(i).data(), sent.columns(i).data()) << i;
@@ -163,7 +108,7 @@ TEST_F(PointsRpc, StreamsAnswerAsCalls) {
     for (double& x : positions) x = random.uniform(-0.5, 1.5);
     v1::StreamQueryPointsRequest request;
     request.set_chunk(chunk);
-    *request.mutable_request() = request_of(positions);
+    *request.mutable_request() = points_request(positions);
     ASSERT_TRUE(stream->Write(request));
     v1::StreamQueryPointsResponse reply;
     ASSERT_TRUE(stream->Read(&reply));
@@ -179,22 +124,22 @@ TEST_F(PointsRpc, StreamsAnswerAsCalls) {
 
 TEST_F(PointsRpc, NothingIsNearInAnEmptyScene) {
   ASSERT_TRUE(api_.create(kScene).ok());
-  const auto reply = answer(request_of({1, 2, 3}));
+  const auto reply = answer(points_request({1, 2, 3}));
   EXPECT_EQ(values<double>(reply, v1::HIT_FIELD_T), std::vector<double>{kInfinity});
   EXPECT_EQ(values<std::uint64_t>(reply, v1::HIT_FIELD_NODE), std::vector<std::uint64_t>{0});
 }
 
 TEST_F(PointsRpc, BadInputIsRefusedWithTheValueAndTheLimit) {
   api_.make_scene(kScene, single_triangle());
-  auto request = request_of({1, 2, 3, 4});
+  auto request = points_request({1, 2, 3, 4});
   EXPECT_NE(refusal(request).find("column positions has 32 bytes"), std::string::npos);
-  request = request_of({1, 2, 3});
+  request = points_request({1, 2, 3});
   request.mutable_points()->set_count(2);
   EXPECT_NE(refusal(request).find("count says 2 points"), std::string::npos);
   request.mutable_points()->set_count(1);
   request.mutable_points()->set_masks("12345");
   EXPECT_NE(refusal(request).find("column masks has 5 bytes, expected 4"), std::string::npos);
-  request = request_of({1, 2, 3}, v1::QUERY_KIND_ANY, {v1::HIT_FIELD_T});
+  request = points_request({1, 2, 3}, v1::QUERY_KIND_ANY, {v1::HIT_FIELD_T});
   EXPECT_NE(refusal(request).find("QUERY_KIND_ANY has no HIT_FIELD_T"), std::string::npos);
   request = {};
   request.set_scene(kScene);
@@ -203,7 +148,7 @@ TEST_F(PointsRpc, BadInputIsRefusedWithTheValueAndTheLimit) {
 
   v1::QueryPointsResponse reply;
   const std::vector<double> many(3 * (server::queries::kMaxRaysPerRequest + 1));
-  EXPECT_EQ(ask(request_of(many), reply).error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(ask(points_request(many), reply).error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
 }
 
 }  // namespace
