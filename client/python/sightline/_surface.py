@@ -76,12 +76,14 @@ class Surface:
         length = np.linalg.norm(normals, axis=1, keepdims=True)
         return np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
 
-    def measure(self, points: np.ndarray, faces: np.ndarray, positions: np.ndarray, distances: np.ndarray) -> None:
-        """Puts the nearest points and the distances from points (m, 3) to faces (m) that rounding has moved in the place
-        of the server's, which are those of the rounded faces."""
+    def measured(self, points: np.ndarray, faces: np.ndarray, positions: np.ndarray,
+                 distances: np.ndarray) -> "Tuple[np.ndarray, np.ndarray]":
+        """The points of faces (m) nearest to points (m, 3), and how far they are: the server's, which are changed here
+        where rounding has moved a face."""
         rows = np.flatnonzero(self._moved[faces])
         if len(rows):
             positions[rows], distances[rows] = closest_on_faces(self.corners(faces[rows]), points[rows])
+        return positions, distances
 
 
 class Current:

@@ -62,14 +62,9 @@ def shrink(surface: Surface, points: np.ndarray, axes: np.ndarray, threshold: fl
 def _nearest(surface: Surface, points: np.ndarray) -> "Tuple[np.ndarray, np.ndarray]":
     """The points (n, 3) of the surface that are nearest, and how far (n) they are."""
     near = surface.scene.closest(points, fields=("distance", "primitive", "position"))
-    positions, distances = near.position, near.distance
-    found = np.flatnonzero(near.hit)
-    if len(found) == len(points):
-        surface.measure(points, near.primitive, positions, distances)
-    else:
-        some, lengths = positions[found], distances[found]
-        surface.measure(points[found], near.primitive[found], some, lengths)
-        positions[found], distances[found] = some, lengths
+    positions, distances, there = near.position, near.distance, np.flatnonzero(near.hit)
+    positions[there], distances[there] = surface.measured(points[there], near.primitive[there], positions[there],
+                                                          distances[there])
     return positions, distances
 
 

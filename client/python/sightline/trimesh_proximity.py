@@ -17,7 +17,9 @@ from ._faces import dot
 from ._surface import OfMesh, Surface, points_of, side_rays, surface_of
 from .client import Client
 
-_NEAR = 1e-8  # a length: nearer to the surface no side is told; of squares of distances, too
+_NEAR = 1e-8          # a length: nearer to the surface no side is told; of squares of distances, too
+_FACING = 1 - 1e-12   # a cosine that no other face has more of
+_BEHIND = -1 + 1e-6   # one of faces that the point is straight behind
 
 
 class ProximityQuery(OfMesh):
@@ -93,38 +95,48 @@ def thickness(mesh: Any, points: ArrayLike, exterior: bool = False, normals: Opt
     return _tangent_spheres.longest_rays(surface, array, outward if exterior else -outward)
 
 
-def _closest(surface: Surface, points: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
-    near = surface.scene.closest(points, kind="all", max_hits=2, fields=("distance", "primitive", "position"))
-    faces, positions, distances = near.primitive.astype("i8"), near.position, near.distance
-    surface.measure(points[near.point], faces, positions, distances)
-    count, begin = near.count, near.offset[:-1].astype("i8")
-    answered = np.flatnonzero(count)
-    first = begin[answered]
-    second = first + (count[answered] > 1)
-    chosen = np.where(distances[second] < distances[first], second, first)
-    squares = distances ** 2
-    unsure = (np.abs(squares[second] - squares[first]) < _NEAR) & (np.minimum(squares[first], squares[second]) > _NEAR)
-    rows = np.flatnonzero(unsure & (first != second))
-    if len(rows):
-        chosen[rows] = _facing(surface, points[answered[rows]], np.stack([first[rows], second[rows]]), faces, positions)
-    closest, triangle = np.full((len(points), 3), np.nan), np.full(len(points), -1)
-    distance = np.where(near.invalid, np.nan, np.inf)
-    closest[answered], distance[answered], triangle[answered] = positions[chosen], distances[chosen], faces[chosen]
+def _closest(surface: Surface, points: np.ndarray,
+             least: float = _FACING) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """As closest_point(). least: where the nearest face points toward the point by at least so much, as the cosine of an
+    angle, the second is not looked at."""
+    near = surface.scene.closest(points, fields=("distance", "primitive", "position"))
+    closest, distance = near.position, near.distance
+    triangle = np.where(near.hit, near.primitive.astype("i8"), -1)
+    there = np.flatnonzero(near.hit)
+    closest[there], distance[there] = surface.measured(points[there], triangle[there], closest[there], distance[there])
+    toward = _toward(surface, points[there], triangle[there], closest[there])
+    unsure = there[(distance[there] ** 2 > _NEAR) & (toward < least)]
+    if len(unsure):
+        closest[unsure], distance[unsure], triangle[unsure] = _of_two(surface, points[unsure], distance[unsure])
     return closest, distance, triangle
 
 
-def _facing(surface: Surface, points: np.ndarray, pairs: np.ndarray, faces: np.ndarray,
-            positions: np.ndarray) -> np.ndarray:
-    """(n): of pairs (2, n) of answers, those whose faces' normals point more toward points (n, 3)."""
-    toward = []
-    for some in pairs:
-        offset = points - positions[some]
-        toward.append(dot(surface.normals(faces[some]), offset) / np.linalg.norm(offset, axis=1))
-    return np.where(toward[1] > toward[0], pairs[1], pairs[0])
+def _of_two(surface: Surface, points: np.ndarray, nearest: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The same where two faces are looked at. nearest (n): distances."""
+    limit = np.sqrt((nearest + surface.shift) ** 2 + _NEAR) + 2 * surface.shift
+    near = surface.scene.closest(points, limit, kind="all", max_hits=2, fields=("distance", "primitive", "position"))
+    triangles, begin = near.primitive.astype("i8"), near.offset[:-1].astype("i8")
+    closest, distance = surface.measured(points[near.point], triangles, near.position, near.distance)
+    second = begin + (near.count > 1)
+    chosen = np.where(distance[second] < distance[begin], second, begin)
+    squares = distance ** 2
+    rows = np.flatnonzero((np.abs(squares[second] - squares[begin]) < _NEAR) &
+                          (np.minimum(squares[begin], squares[second]) > _NEAR) & (second != begin))
+    one, other = (_toward(surface, points[rows], triangles[some[rows]], closest[some[rows]]) for some in (begin, second))
+    chosen[rows] = np.where(other > one, second[rows], begin[rows])
+    return closest[chosen], distance[chosen], triangles[chosen]
+
+
+def _toward(surface: Surface, points: np.ndarray, triangles: np.ndarray, closest: np.ndarray) -> np.ndarray:
+    """(n): cosines of the angles between normals and the ways from the faces to points (n, 3)."""
+    offset = points - closest
+    length = np.linalg.norm(offset, axis=1)
+    along = dot(surface.normals(triangles), offset)
+    return np.divide(along, length, out=np.zeros_like(along), where=length > 0)
 
 
 def _signed(surface: Surface, mesh: Any, points: np.ndarray) -> np.ndarray:
-    closest, distance, triangle = _closest(surface, points)
+    closest, distance, triangle = _closest(surface, points, _BEHIND)
     far = np.flatnonzero((distance > _NEAR) & (triangle >= 0))
     offset, normals = points[far] - closest[far], surface.normals(triangle[far])
     height = dot(offset, normals)
