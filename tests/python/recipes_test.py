@@ -163,7 +163,7 @@ class InsideTestTest(ServerTest):
         points = np.random.default_rng(5).uniform([-3, -3, -1], [3, 3, 1], (20_000, 3))
         depth = 0.7 - np.hypot(np.hypot(points[:, 0], points[:, 1]) - 2.0, points[:, 2])
         clear = np.abs(depth) > 0.02  # the mesh is within 0.01 of the torus
-        inside = inside_test.is_inside(scene, points)
+        inside = scene.contains(points)
         np.testing.assert_array_equal(inside[clear], depth[clear] > 0)
 
 

@@ -118,6 +118,8 @@ class OnSurfaceTest(ServerTest):
             np.testing.assert_allclose(distance, table.min(axis=1), rtol=1e-14)
             np.testing.assert_array_equal(number, used[table.argmin(axis=1)])
             self.assertEqual((distance.dtype, number.dtype), (np.float64, np.int64))
+            one = ProximityQuery(mesh, client=self.client).vertex(points[0])
+            self.assertEqual((one, np.shape(one[0])), ((distance[0], number[0]), ()))
 
     def test_far_from_the_origin(self):
         far = np.array([4e6, 5e6, 0.0])
@@ -149,7 +151,7 @@ class OnSurfaceTest(ServerTest):
         self.assertEqual([len(part) for part in ProximityQuery(mesh, client=self.client).on_surface(np.zeros((0, 3)))],
                          [0, 0, 0])
         for points in ([0, 0, 0], [[0, 0]], np.zeros((2, 2, 3))):
-            for ask in (query.on_surface, query.vertex, query.signed_distance):
+            for ask in (query.on_surface, query.signed_distance):
                 with self.assertRaisesRegex(ValueError, "points have the shape \\(n, 3\\)"):
                     ask(points)
         with self.assertRaisesRegex(TypeError, "a mesh is needed"):

@@ -30,17 +30,16 @@ class ProximityQuery(OfMesh):
         return _closest(self._surface(), points_of(points))
 
     def vertex(self, points: ArrayLike) -> Tuple[np.ndarray, np.ndarray]:
-        """The vertex of a face that is nearest to each of points (n, 3): distance (n) float64 and its number (n) int64; of
-        equal ones the least. A point that is not finite: NaN and -1; a mesh without faces: +inf and -1."""
-        array, surface = points_of(points), self._surface()
+        """The vertex of a face that is nearest to each of points (..., 3): distance (...) float64 and its number (...)
+        int64; of equal ones the least. A point that is not finite: NaN and -1; a mesh without faces: +inf and -1."""
+        surface, array = self._surface(), np.asarray(points)
         cloud = surface.cloud
         near = cloud.own.scene.closest(array, fields=("distance", "primitive"))
-        number = np.full(len(array), -1)
+        number, distance = np.full(near.shape, -1), near.distance
         number[near.hit] = cloud.numbers[near.primitive[near.hit]]
-        distance = near.distance
         if cloud.is_moved:
             distance[near.hit] = np.linalg.norm(array[near.hit] - surface.vertices[number[near.hit]], axis=1)
-        return distance, number
+        return distance[()], number[()]
 
     def signed_distance(self, points: ArrayLike) -> np.ndarray:
         """As the function of this name."""
