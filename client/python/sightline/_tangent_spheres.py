@@ -36,7 +36,7 @@ def shrink(surface: Surface, points: np.ndarray, axes: np.ndarray, threshold: fl
     step = threshold * float(np.linalg.norm(high - low))
     reach = np.linalg.norm(np.maximum(np.abs(points - low), np.abs(points - high)), axis=1)
     flat = np.maximum(_START, _FLATTEST * reach)
-    radii = longest_rays(surface, points, axes) / 2
+    radii, points = longest_rays(surface, points, axes) / 2, points.astype("f8", copy=False)
     is_open = np.isinf(radii)
     # Larger than any sphere through a point of the mesh that rises by more than `flat`.
     radii[is_open] = reach[is_open] ** 2 / (2 * flat[is_open])

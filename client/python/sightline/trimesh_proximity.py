@@ -76,8 +76,8 @@ def max_tangent_sphere(mesh: Any, points: ArrayLike, inwards: bool = True, norma
     None: those of the nearest faces. A sphere is found when a step shrinks it by less than `threshold` times the diagonal
     of the mesh, or after max_iter steps."""
     surface, array = surface_of(mesh, client), points_of(points)
-    outward = _normals(surface, array, normals)
-    return _tangent_spheres.shrink(surface, array.astype("f8"), -outward if inwards else outward, threshold, max_iter)
+    array, outward = _with_normals(surface, array, normals)
+    return _tangent_spheres.shrink(surface, array, -outward if inwards else outward, threshold, max_iter)
 
 
 def thickness(mesh: Any, points: ArrayLike, exterior: bool = False, normals: Optional[ArrayLike] = None,
@@ -90,7 +90,7 @@ def thickness(mesh: Any, points: ArrayLike, exterior: bool = False, normals: Opt
     if method == "max_sphere":
         return max_tangent_sphere(mesh, points, not exterior, normals, client=client)[1] * 2
     surface, array = surface_of(mesh, client), points_of(points)
-    outward = _normals(surface, array, normals)
+    array, outward = _with_normals(surface, array, normals)
     return _tangent_spheres.longest_rays(surface, array, outward if exterior else -outward)
 
 
@@ -113,7 +113,8 @@ def _closest(surface: Surface, points: np.ndarray,
 def _of_two(surface: Surface, points: np.ndarray, nearest: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The same where two faces are looked at. nearest (n): distances."""
     limit = np.sqrt((nearest + surface.shift) ** 2 + _NEAR) + 2 * surface.shift
-    near = surface.scene.closest(points, limit, kind="all", max_hits=2, fields=("distance", "primitive", "position"))
+    exact = points.astype("f8", copy=False)  # which warns once of points that float32 does not hold well
+    near = surface.scene.closest(exact, limit, kind="all", max_hits=2, fields=("distance", "primitive", "position"))
     triangles, begin = near.primitive.astype("i8"), near.offset[:-1].astype("i8")
     closest, distance = surface.measured(points[near.point], triangles, near.position, near.distance)
     second = begin + (near.count > 1)
@@ -145,22 +146,24 @@ def _signed(surface: Surface, mesh: Any, points: np.ndarray) -> np.ndarray:
     inside = height < 0
     if not projects.all():
         others = ~projects
-        inside[others] = surface.scene.contains(points[far[others]], side_rays=side_rays(mesh))
+        exact = points[far[others]].astype("f8", copy=False)
+        inside[others] = surface.scene.contains(exact, side_rays=side_rays(mesh))
     sign = np.where(np.isinf(distance), -1.0, 1.0)
     sign[far] = np.where(inside, 1.0, -1.0)
     return distance * sign
 
 
-def _normals(surface: Surface, points: np.ndarray, normals: Optional[ArrayLike]) -> np.ndarray:
-    """float64 (n, 3), unit."""
+def _with_normals(surface: Surface, points: np.ndarray,
+                  normals: Optional[ArrayLike]) -> Tuple[np.ndarray, np.ndarray]:
+    """The points, and normals float64 (n, 3), unit."""
     if normals is None:
         triangle = _closest(surface, points)[2]
         found = np.full((len(points), 3), np.nan)
         found[triangle >= 0] = surface.normals(triangle[triangle >= 0])
-        return found
+        return points.astype("f8", copy=False), found
     given = _vectors(points, normals, "normals")[1].astype("f8")
     length = np.linalg.norm(given, axis=1, keepdims=True)
-    return np.divide(given, length, out=np.full_like(given, np.nan), where=length > 0)
+    return points, np.divide(given, length, out=np.full_like(given, np.nan), where=length > 0)
 
 
 def _vectors(points: ArrayLike, vectors: ArrayLike, name: str) -> Tuple[np.ndarray, np.ndarray]:
