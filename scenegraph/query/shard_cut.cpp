@@ -139,6 +139,8 @@ bool ShardRay::begin(const accel::geometry::Ray& ray) {
   if (!accel::geometry::set_local_ray(ray.origin - cut_.center(), ray.direction, local_) ||
       std::isnan(ray.tmin) || std::isnan(ray.tmax))
     return false;
+  tmax_ = ray.tmax;
+  if (points_) return true;
   // The slack is that of bounds that hold the center: it covers the rounding of the subtraction.
   in_bounds_ = accel::kdtree::enter(local_, cut_.bounds(), ray.tmin / local_.unit,
                                     ray.tmax / local_.unit, ray_);
@@ -146,8 +148,23 @@ bool ShardRay::begin(const accel::geometry::Ray& ray) {
 }
 
 bool ShardRay::may_meet(std::uint32_t shard, double tmax) const {
+  if (points_) return cut_[shard].instances > 0 && distance(cut_[shard].box) <= tmax;
   return in_bounds_ && cut_[shard].instances > 0 &&
          accel::kdtree::may_meet(ray_, cut_[shard].box, tmax / local_.unit + ray_.slack);
+}
+
+/// A distance before anything of the box, or the box's exactly if the point is in it.
+double ShardRay::distance(const Aabb& box) const {
+  Vec3d gap;
+  double largest = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double x = local_.origin[a], lo = static_cast<double>(box.lo[a]),
+                 hi = static_cast<double>(box.hi[a]);
+    gap[a] = std::max({lo - x, x - hi, 0.0});
+    largest = std::max({largest, std::fabs(x), std::fabs(lo), std::fabs(hi)});
+  }
+  // The subtraction of the center, the gaps, and their length have some ten roundings.
+  return std::max(length(gap) - 0x1p-48 * largest, 0.0);
 }
 
 /// A t before anything that the ray may hit in the box.
@@ -165,8 +182,9 @@ const std::vector<std::uint8_t>& ShardRay::by_entry() {
   entries_.clear();
   order_.clear();
   for (std::uint32_t shard = 0; shard < cut_.size(); ++shard) {
-    if (may_meet(shard, kInfinity))
-      entries_.emplace_back(entry(cut_[shard].box), static_cast<std::uint8_t>(shard));
+    const Aabb& box = cut_[shard].box;
+    if (may_meet(shard, points_ ? tmax_ : kInfinity))
+      entries_.emplace_back(points_ ? distance(box) : entry(box), static_cast<std::uint8_t>(shard));
   }
   std::sort(entries_.begin(), entries_.end());
   for (const auto& [at, shard] : entries_) order_.push_back(shard);

@@ -67,29 +67,34 @@ struct Shard {
   }
 };
 
-/// Finds the shards that a ray may hit. It is used again for each ray. It is not copied, as it
-/// refers to itself.
+/// Finds the shards that a ray may hit, or that a point may be near. It is used again for each ray.
+/// It is not copied, as it refers to itself.
 class ShardRay {
  public:
-  /// The cut must outlive this.
-  explicit ShardRay(const ShardCut& cut) : cut_(cut) {}
+  /// The cut must outlive this. `points`: whether rays are points, as in TraceOptions.
+  ShardRay(const ShardCut& cut, bool points) : cut_(cut), points_(points) {}
   ShardRay(const ShardRay&) = delete;
   ShardRay& operator=(const ShardRay&) = delete;
 
   /// Begins a ray; false if it is invalid, as for trace().
   bool begin(const accel::geometry::Ray& ray);
-  /// The shards whose boxes the ray meets within its limits, by where it enters them.
+  /// The shards whose boxes the ray meets within its limits, by where it enters them; those within
+  /// a point's limit, by distance.
   const std::vector<std::uint8_t>& by_entry();
-  /// Whether the ray may hit something of the shard up to `tmax`, in its own units and included.
+  /// Whether the ray may hit something of the shard up to `tmax`, in its own units and included; a
+  /// point may be as near.
   bool may_meet(std::uint32_t shard, double tmax) const;
 
  private:
   double entry(const accel::geometry::Aabb& box) const;
+  double distance(const accel::geometry::Aabb& box) const;
 
   const ShardCut& cut_;
+  const bool points_;
   accel::geometry::LocalRay local_;
   accel::kdtree::TreeRay ray_;
   bool in_bounds_ = false;
+  double tmax_ = 0;
   std::vector<std::pair<double, std::uint8_t>> entries_;
   std::vector<std::uint8_t> order_;
 };

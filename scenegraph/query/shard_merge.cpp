@@ -25,8 +25,9 @@ std::uint32_t sum_of_work(std::uint32_t a, std::uint32_t b) {
 }  // namespace
 
 void ShardMerge::begin(const ShardCut& cut, QueryKind kind, std::span<const Ray> rays,
-                       std::uint32_t max_hits) {
+                       std::uint32_t max_hits, bool points) {
   cut_ = &cut;
+  points_ = points;
   kind_ = kind;
   max_hits_ = max_hits;
   rays_ = rays;
@@ -39,7 +40,7 @@ void ShardMerge::begin(const ShardCut& cut, QueryKind kind, std::span<const Ray>
   listed_.clear();
   stats_ = {};
   finished_ = false;
-  ShardRay shard_ray(cut);
+  ShardRay shard_ray(cut, points_);
   for (std::uint32_t i = 0; i < rays.size(); ++i) {
     if (!shard_ray.begin(rays[i])) {
       set_invalid(i);
@@ -65,7 +66,7 @@ void ShardMerge::set_invalid(std::uint32_t ray) {
 
 std::vector<ShardQuestion> ShardMerge::next() {
   std::vector<ShardQuestion> questions(cut_->size());
-  ShardRay shard_ray(*cut_);
+  ShardRay shard_ray(*cut_, points_);
   for (std::uint32_t i = 0; i < rays_.size(); ++i) {
     Way& way = ways_[i];
     if (way.next == way.end) continue;

@@ -26,9 +26,10 @@ struct ShardQuestion {
 /// shards. Threads: one at a time.
 class ShardMerge {
  public:
-  /// The rays and the cut must not change until the batch is done. `max_hits`: for kAll.
+  /// The rays and the cut must not change until the batch is done. `max_hits`: for kAll. `points`:
+  /// whether the rays are points, as in TraceOptions.
   void begin(const ShardCut& cut, QueryKind kind, std::span<const accel::geometry::Ray> rays,
-             std::uint32_t max_hits);
+             std::uint32_t max_hits, bool points = false);
 
   /// Returns the next questions, for different shards. All former questions must have been
   /// answered.
@@ -75,6 +76,7 @@ class ShardMerge {
   const ShardCut* cut_ = nullptr;
   QueryKind kind_ = QueryKind::kClosest;
   std::uint32_t max_hits_ = 0;
+  bool points_ = false;
   std::span<const accel::geometry::Ray> rays_;
   std::vector<std::uint8_t> order_;
   std::vector<Way> ways_;           // by ray

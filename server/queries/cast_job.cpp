@@ -57,10 +57,14 @@ Status CastJob::open(const v1::CastRaysRequest& request) {
 Status CastJob::open(const v1::QueryPointsRequest& request) {
   if (Status opened = open_query(request); !opened) return opened;
   if (!is_for_all_shards(query_, services_)) return {};
-  return Error{Code::kFailedPrecondition,
-               "this server leaves queries to the servers of its shards, and those of points are "
-               "not merged: name a shard, or ask a server without --shard-peers",
-               "POINTS_ARE_NOT_SHARDED"};
+  if (query_.sides) {
+    return Error{Code::kFailedPrecondition,
+                 "this server leaves queries to the servers of its shards, and sides of points are "
+                 "not merged: ask for other fields, or a server without --shard-peers",
+                 "SIDES_ARE_NOT_SHARDED"};
+  }
+  open_sharded(request);
+  return {};
 }
 
 void CastJob::pin(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot) {

@@ -57,7 +57,7 @@ class CastJob {
   /// Finds the scene and decodes the query. Errors: kInvalidArgument, kNotFound,
   /// kFailedPrecondition (a shard of another number than this server has peers).
   Status open(const v1::CastRaysRequest& request);
-  /// As for rays; kFailedPrecondition, too, where this server has peers for shards.
+  /// As for rays; kFailedPrecondition, too, for sides where this server has peers for shards.
   Status open(const v1::QueryPointsRequest& request);
   const std::shared_ptr<scenes::StoredScene>& scene() const { return scene_; }
   const exec::Caller& caller() const { return caller_; }
@@ -118,7 +118,8 @@ class CastJob {
   void begin_batch(std::uint32_t budget_ms);
   Status admit(std::size_t request_bytes);
   bool is_sharded() const { return sharded_ != nullptr; }
-  void open_sharded(const v1::CastRaysRequest& request);
+  template <class Request>
+  void open_sharded(const Request& request);
   void push_sharded(v1::CastRaysResponse& reply, const Done& done);
   Status run_sharded(v1::CastRaysResponse& reply, const Done& done, bool& asked);
   Status begin_sharded();

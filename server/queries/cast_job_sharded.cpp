@@ -16,7 +16,8 @@ using accel::geometry::HitState;
 using accel::geometry::Ray;
 using scenegraph::QueryKind;
 
-void CastJob::open_sharded(const v1::CastRaysRequest& request) {
+template <class Request>
+void CastJob::open_sharded(const Request& request) {
   sharded_ = std::make_unique<shards::ShardedCast>(
       services_.shard_peers, context_, request,
       shards::ShardedCast::Query{.kind = query_.kind,
@@ -24,6 +25,9 @@ void CastJob::open_sharded(const v1::CastRaysRequest& request) {
                                  .max_hits = query_.max_hits,
                                  .allow_partial = query_.allow_partial});
 }
+
+template void CastJob::open_sharded(const v1::CastRaysRequest& request);
+template void CastJob::open_sharded(const v1::QueryPointsRequest& request);
 
 /// Begins a reply, or continues it when the peers have answered.
 void CastJob::push_sharded(v1::CastRaysResponse& reply, const Done& done) {

@@ -57,13 +57,13 @@ void append(std::string& column, const T& value) {
 /// The columns of a reply; an error if one that is needed has not the bytes that it must have.
 class Columns {
  public:
-  explicit Columns(const v1::CastRaysResponse& reply) : reply_(reply) {}
+  explicit Columns(const HitColumns& columns) : columns_(columns) {}
 
   /// Calls set(row, value) for each row. A column that is not there is left out, unless `needed`.
   template <class T, class Set>
   void read(v1::HitField field, std::size_t rows, bool needed, const Set& set) {
     const std::string* data = nullptr;
-    for (const v1::HitColumn& column : reply_.columns()) {
+    for (const v1::HitColumn& column : columns_) {
       if (column.field() == field) data = &column.data();
     }
     if (data == nullptr && !needed) return;
@@ -85,7 +85,7 @@ class Columns {
   const std::optional<Error>& wrong() const { return wrong_; }
 
  private:
-  const v1::CastRaysResponse& reply_;
+  const HitColumns& columns_;
   std::optional<Error> wrong_;
 };
 
@@ -131,19 +131,47 @@ std::size_t read_offsets(Columns& columns, std::vector<RayTally>& tallies) {
   return before;
 }
 
-}  // namespace
-
-v1::CastRaysRequest make_template(const v1::CastRaysRequest& asked, QueryKind kind, bool surface) {
-  v1::CastRaysRequest request;
+template <class Request>
+Request template_of(const Request& asked, QueryKind kind, bool surface) {
+  Request request;
   request.set_scene(asked.scene());
   request.set_kind(encode(kind));
   for (const v1::HitField field : fields_of(kind, surface)) request.add_fields(field);
   request.set_build(asked.build());
-  request.set_culling(asked.culling());
   request.set_root(asked.root());
   *request.mutable_exclude() = asked.exclude();
   request.set_max_hits(asked.max_hits());
   return request;
+}
+
+}  // namespace
+
+v1::CastRaysRequest make_template(const v1::CastRaysRequest& asked, QueryKind kind, bool surface) {
+  v1::CastRaysRequest request = template_of(asked, kind, surface);
+  request.set_culling(asked.culling());
+  return request;
+}
+
+v1::QueryPointsRequest make_template(const v1::QueryPointsRequest& asked, QueryKind kind,
+                                     bool surface) {
+  return template_of(asked, kind, surface);
+}
+
+void set_rays(const ShardMerge& merge, const ShardQuestion& question,
+              v1::QueryPointsRequest& request) {
+  v1::Points& points = *request.mutable_points();
+  points.set_float64(true);
+  points.set_count(question.rays.size());
+  const std::size_t reals = question.rays.size() * sizeof(double);
+  points.mutable_positions()->reserve(3 * reals);
+  points.mutable_max_distance()->reserve(reals);
+  points.mutable_masks()->reserve(question.rays.size() * sizeof(std::uint32_t));
+  for (const std::uint32_t i : question.rays) {
+    const Ray ray = merge.limited(i);
+    append(*points.mutable_positions(), ray.origin);
+    append(*points.mutable_max_distance(), ray.tmax);
+    append(*points.mutable_masks(), ray.mask);
+  }
 }
 
 void set_rays(const ShardMerge& merge, const ShardQuestion& question,
@@ -167,9 +195,9 @@ void set_rays(const ShardMerge& merge, const ShardQuestion& question,
   }
 }
 
-Result<ShardAnswer> decode(const v1::CastRaysResponse& reply, QueryKind kind, std::size_t rays) {
+Result<ShardAnswer> decode(const HitColumns& of_reply, QueryKind kind, std::size_t rays) {
   ShardAnswer answer;
-  Columns columns(reply);
+  Columns columns(of_reply);
   if (kind == QueryKind::kClosest || kind == QueryKind::kAny) {
     answer.hits.resize(rays);
     read_states(columns, answer.hits);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <variant>
 #include <vector>
 
 #include "accel/geometry/ray.h"
@@ -13,15 +14,32 @@
 
 namespace sightline::server::shards {
 
+struct RayMessages {
+  v1::CastRaysRequest request;
+  v1::CastRaysResponse reply;
+};
+struct PointMessages {
+  v1::QueryPointsRequest request;
+  v1::QueryPointsResponse reply;
+};
+/// A question to a peer, and its answer.
+using Messages = std::variant<RayMessages, PointMessages>;
+
 /// What the requests of a call have in common: what `asked` asks for, of this kind and with
 /// `surface` (barycentrics and normals) or without, and the fields that a merge needs. Neither
 /// rays, nor the revision, nor the shard.
 v1::CastRaysRequest make_template(const v1::CastRaysRequest& asked, scenegraph::QueryKind kind,
                                   bool surface);
+v1::QueryPointsRequest make_template(const v1::QueryPointsRequest& asked,
+                                     scenegraph::QueryKind kind, bool surface);
 
-/// Sets the rays of the question, as the merge limits them.
+/// Sets the rays or points of the question, as the merge limits them.
 void set_rays(const scenegraph::query::ShardMerge& merge,
               const scenegraph::query::ShardQuestion& question, v1::CastRaysRequest& request);
+void set_rays(const scenegraph::query::ShardMerge& merge,
+              const scenegraph::query::ShardQuestion& question, v1::QueryPointsRequest& request);
+
+using HitColumns = google::protobuf::RepeatedPtrField<v1::HitColumn>;
 
 /// The hits of a reply.
 struct ShardAnswer {
@@ -29,9 +47,9 @@ struct ShardAnswer {
   std::vector<scenegraph::RayTally> tallies;  ///< Count and all: one for each ray.
 };
 
-/// Errors: kInternal, naming the column, if the reply has not what make_template() asks for.
-Result<ShardAnswer> decode(const v1::CastRaysResponse& reply, scenegraph::QueryKind kind,
-                           std::size_t rays);
+/// Reads the columns of a reply. Errors: kInternal, naming the column, if it has not what
+/// make_template() asks for.
+Result<ShardAnswer> decode(const HitColumns& columns, scenegraph::QueryKind kind, std::size_t rays);
 
 /// What the reply cost. The counts of rays and hits are not in it: the merge has those.
 scenegraph::TraceStats decode_cost(const v1::CastStats& stats);

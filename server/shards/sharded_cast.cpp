@@ -44,12 +44,30 @@ ShardedCast::ShardedCast(const Peers& peers, const grpc::CallbackServerContext& 
     : peers_(peers),
       caller_(caller),
       query_(query),
-      template_(make_template(asked, query.kind, query.surface)) {}
+      template_(RayMessages{make_template(asked, query.kind, query.surface), {}}) {}
+
+ShardedCast::ShardedCast(const Peers& peers, const grpc::CallbackServerContext& caller,
+                         const v1::QueryPointsRequest& asked, const Query& query)
+    : peers_(peers),
+      caller_(caller),
+      query_(query),
+      template_(PointMessages{make_template(asked, query.kind, query.surface), {}}) {}
+
+const v1::SceneRevision& ShardedCast::Call::served() const {
+  return std::visit([](const auto& of) -> auto& { return of.reply.served(); }, messages);
+}
+const HitColumns& ShardedCast::Call::columns() const {
+  return std::visit([](const auto& of) -> auto& { return of.reply.columns(); }, messages);
+}
+const v1::CastStats& ShardedCast::Call::stats() const {
+  return std::visit([](const auto& of) -> auto& { return of.reply.stats(); }, messages);
+}
 
 void ShardedCast::begin(Batch batch) {
   batch_ = std::move(batch);
   cost_ = {};
-  merge_.begin(*batch_.cut, query_.kind, batch_.rays, query_.max_hits);
+  merge_.begin(*batch_.cut, query_.kind, batch_.rays, query_.max_hits,
+               std::holds_alternative<PointMessages>(template_));
   ask_until_ = batch_.budget_ends;
   wait_until_.reset();
   if (batch_.budget_ends) wait_until_ = *batch_.budget_ends + kAfterBudget;
@@ -81,20 +99,26 @@ bool ShardedCast::ask(std::function<void()> answered) {
     if (wait_until_)
       call.context->set_deadline(std::chrono::system_clock::now() +
                                  std::chrono::ceil<milliseconds>(*wait_until_ - Clock::now()));
-    call.request = template_;
-    call.request.mutable_consistency()->set_exact_revision(batch_.revision);
-    v1::Shard& shard = *call.request.mutable_shard();
-    shard.set_index(call.question.shard);
-    shard.set_count(batch_.cut->size());
-    shard.set_cut(batch_.cut->fingerprint());
-    call.request.set_time_budget_ms(budget_ms());
-    set_rays(merge_, call.question, call.request);
+    call.messages = template_;
+    std::visit([&](auto& of) { set_question(call.question, of.request); }, call.messages);
   }
   answered_ = std::move(answered);
   open_.store(calls_.size() + 1);
   for (Call& call : calls_) start(call);
   end_one();
   return true;
+}
+
+template <class Request>
+void ShardedCast::set_question(const scenegraph::query::ShardQuestion& question,
+                               Request& request) const {
+  request.mutable_consistency()->set_exact_revision(batch_.revision);
+  v1::Shard& shard = *request.mutable_shard();
+  shard.set_index(question.shard);
+  shard.set_count(batch_.cut->size());
+  shard.set_cut(batch_.cut->fingerprint());
+  request.set_time_budget_ms(budget_ms());
+  set_rays(merge_, question, request);
 }
 
 /// The time budget of a peer; 0: none. If it has passed, the shortest one is asked for.
@@ -113,11 +137,16 @@ void ShardedCast::start(Call& call) {
     return end(call);
   }
   try {
-    stub->async()->CastRays(call.context.get(), &call.request, &call.reply,
-                            [this, &call, &peer](grpc::Status status) {
-                              call.status = peer.end(call.context, std::move(status));
-                              end(call);
-                            });
+    const auto ended = [this, &call, &peer](grpc::Status status) {
+      call.status = peer.end(call.context, std::move(status));
+      end(call);
+    };
+    if (auto* const rays = std::get_if<RayMessages>(&call.messages)) {
+      stub->async()->CastRays(call.context.get(), &rays->request, &rays->reply, ended);
+    } else {
+      auto& points = std::get<PointMessages>(call.messages);
+      stub->async()->QueryPoints(call.context.get(), &points.request, &points.reply, ended);
+    }
   } catch (const std::exception& thrown) {
     call.status = peer.end(call.context, {grpc::StatusCode::RESOURCE_EXHAUSTED, thrown.what()});
     end(call);
@@ -145,7 +174,7 @@ void ShardedCast::end_one() {
 
 /// Whether the peer is gone, or has another revision.
 bool ShardedCast::may_be_lost(const Call& call) const {
-  return call.status.ok() ? call.reply.served().token() != batch_.token : means_lost(call.status);
+  return call.status.ok() ? call.served().token() != batch_.token : means_lost(call.status);
 }
 
 Error ShardedCast::lost(const Call& call) const {
@@ -172,9 +201,9 @@ Status ShardedCast::take(const Call& call) {
     return {};
   }
   if (!call.status.ok()) return error_of_peer(peers_, call.question.shard, call.status);
-  const auto answer = decode(call.reply, query_.kind, call.question.rays.size());
+  const auto answer = decode(call.columns(), query_.kind, call.question.rays.size());
   if (!answer) return answer.error();
-  cost_ += decode_cost(call.reply.stats());
+  cost_ += decode_cost(call.stats());
   if (query_.kind == QueryKind::kClosest || query_.kind == QueryKind::kAny) {
     merge_.take(call.question, answer->hits);
   } else {

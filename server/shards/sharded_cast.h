@@ -1,4 +1,4 @@
-// A batch of rays that other servers answer, each for a shard of the scene.
+// A batch of rays or points that other servers answer, each for a shard of the scene.
 #pragma once
 
 #include <grpcpp/server_context.h>
@@ -11,12 +11,14 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "accel/geometry/ray.h"
 #include "proto/result.h"
 #include "scenegraph/query/shard_merge.h"
 #include "server/shards/peers.h"
+#include "server/shards/shard_messages.h"
 #include "sightline/v1/query.pb.h"
 
 namespace sightline::server::shards {
@@ -58,9 +60,11 @@ class ShardedCast {
   };
 
   /// `asked`: the first request of the call. `caller`: the call to this server. It and `peers`
-  /// outlive every batch.
+  /// outlive every batch. Requests of points are answered with those of points.
   ShardedCast(const Peers& peers, const grpc::CallbackServerContext& caller,
               const v1::CastRaysRequest& asked, const Query& query);
+  ShardedCast(const Peers& peers, const grpc::CallbackServerContext& caller,
+              const v1::QueryPointsRequest& asked, const Query& query);
 
   void begin(Batch batch);
 
@@ -83,12 +87,17 @@ class ShardedCast {
   struct Call {
     scenegraph::query::ShardQuestion question{};
     Peer::Context context{};
-    v1::CastRaysRequest request{};
-    v1::CastRaysResponse reply{};
+    Messages messages{};
     grpc::Status status{};
     bool late = false;  // the budget was too short, but the peer lives
+
+    const v1::SceneRevision& served() const;
+    const HitColumns& columns() const;
+    const v1::CastStats& stats() const;
   };
 
+  template <class Request>
+  void set_question(const scenegraph::query::ShardQuestion& question, Request& request) const;
   void start(Call& call);
   void end(Call& call);
   void end_one();
@@ -101,7 +110,7 @@ class ShardedCast {
   const Peers& peers_;
   const grpc::CallbackServerContext& caller_;
   const Query query_;
-  const v1::CastRaysRequest template_;
+  const Messages template_;  // its request is that of all calls
   Batch batch_;
   std::optional<Clock::time_point> ask_until_, wait_until_;  // the batch's
   scenegraph::query::ShardMerge merge_;

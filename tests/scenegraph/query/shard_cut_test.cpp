@@ -103,7 +103,7 @@ TEST(ShardCut, IsAFunctionOfTheContent) {
 TEST(ShardRay, OrdersShardsByEntryAndKnowsWhatIsTooFar) {
   const auto snapshot = tests::snapshot_of(row_of_cubes(6, 3));
   const ShardCut cut(*snapshot, 3);
-  ShardRay ray(cut);
+  ShardRay ray(cut, /*points=*/false);
   ASSERT_TRUE(ray.begin({.origin = {100, 0, 0}, .direction = {-2, 0, 0}}));
   EXPECT_EQ(ray.by_entry(), (std::vector<std::uint8_t>{2, 1, 0}));
   EXPECT_TRUE(ray.may_meet(1, 43.5)) << "its box ends at x = 13";
@@ -115,6 +115,22 @@ TEST(ShardRay, OrdersShardsByEntryAndKnowsWhatIsTooFar) {
       << "the boxes end at x = 7 and begin at x = 14";
   EXPECT_FALSE(ray.begin({.origin = {0, 0, 0}, .direction = {0, 0, 0}}));
   EXPECT_FALSE(ray.may_meet(1, 100));
+}
+
+TEST(ShardRay, OrdersShardsByDistanceFromAPoint) {
+  const auto snapshot = tests::snapshot_of(row_of_cubes(6, 3));
+  const ShardCut cut(*snapshot, 3);
+  ShardRay point(cut, /*points=*/true);
+  ASSERT_TRUE(point.begin({.origin = {12.5, 4, 0}, .direction = {1, 0, 0}}));
+  EXPECT_EQ(point.by_entry(), (std::vector<std::uint8_t>{1, 2, 0}))
+      << "the boxes end and begin at x = 7, 8, 13 and 14";
+  EXPECT_TRUE(point.may_meet(1, 3)) << "its box ends at y = 1";
+  EXPECT_FALSE(point.may_meet(1, 2.9));
+  ASSERT_TRUE(point.begin({.origin = {12.5, 4, 0}, .direction = {1, 0, 0}, .tmax = 3.5}));
+  EXPECT_EQ(point.by_entry(), (std::vector<std::uint8_t>{1, 2}));
+  ASSERT_TRUE(point.begin({.origin = {12.5, 0, 0}, .direction = {1, 0, 0}, .tmax = -1}));
+  EXPECT_TRUE(point.by_entry().empty());
+  EXPECT_FALSE(point.begin({.origin = {std::nan(""), 0, 0}, .direction = {1, 0, 0}}));
 }
 
 }  // namespace

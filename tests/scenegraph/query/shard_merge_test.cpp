@@ -16,6 +16,7 @@
 #include "scenegraph/trace.h"
 #include "tests/scenegraph/put_node.h"
 #include "tests/scenegraph/random_hierarchy.h"
+#include "tests/support/hard_points.h"
 #include "tests/support/kinds.h"
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
@@ -49,7 +50,7 @@ class Shards {
                  const IsLost& is_lost = kNoneLost) {
     options.kind = kind;
     ShardMerge merge;
-    merge.begin(*cut_, kind, rays, options.max_hits);
+    merge.begin(*cut_, kind, rays, options.max_hits, options.points);
     for (auto questions = merge.next(); !questions.empty(); questions = merge.next()) {
       for (const ShardQuestion& question : questions) {
         questions_ += question.rays.size();
@@ -212,6 +213,23 @@ TEST(ShardMerge, IsAsTheWholeSceneForCulledFaces) {
   const auto snapshot = tests::snapshot_of(tests::random_hierarchy(60, Frames::kSheared, 21));
   expect_shards_as_whole(snapshot, rays_to_merge(*snapshot, 4),
                          {.culling = accel::geometry::Culling::kBack});
+}
+
+TEST(ShardMerge, IsAsTheWholeSceneForPoints) {
+  for (const Frames frames : {Frames::kRigid, Frames::kSheared, Frames::kFar, Frames::kFlat}) {
+    SCOPED_TRACE(static_cast<int>(frames));
+    const auto snapshot = tests::snapshot_of(tests::random_hierarchy(60, frames, 13));
+    std::vector<Ray> points;
+    tests::Random random(6);
+    for (const accel::geometry::Vec3d& at : tests::hard_points(*snapshot, 14, 80)) {
+      points.push_back({.origin = at, .direction = {1, 0, 0}});
+      if (random.below(3) == 0) points.back().tmax = random.uniform(-0.1, 3);
+      if (random.below(4) == 0) points.back().mask = static_cast<std::uint32_t>(random.below(8));
+    }
+    points[5].origin.y = std::nan("");
+    points[6].tmax = std::nan("");
+    expect_shards_as_whole(snapshot, points, {.points = true, .max_hits = 5});
+  }
 }
 
 TEST(ShardMerge, IsAsTheWholeSceneWithoutInstances) {

@@ -9,6 +9,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "tests/client/support/temp_dir.h"
@@ -40,6 +41,25 @@ inline v1::CastRaysRequest cast_of(v1::QueryKind kind, std::span<const accel::ge
 
 inline scenegraph::model::Affine at(double x, double y, double z) {
   return {{1, 0, 0, x, 0, 1, 0, y, 0, 0, 1, z}};
+}
+
+inline v1::QueryPointsRequest nearest_of(v1::QueryKind kind,
+                                         std::span<const accel::geometry::Ray> points) {
+  v1::QueryPointsRequest request;
+  request.set_scene(kScene);
+  request.set_kind(kind);
+  for (const v1::HitField field : kFields.at(kind)) request.add_fields(field);
+  if (kind == v1::QUERY_KIND_ALL) request.set_max_hits(6);
+  v1::Points& columns = *request.mutable_points();
+  columns.set_float64(true);
+  const auto append = [](std::string& column, const auto& value) {
+    column.append(reinterpret_cast<const char*>(&value), sizeof(value));
+  };
+  for (const accel::geometry::Ray& point : points) {
+    append(*columns.mutable_positions(), point.origin);
+    append(*columns.mutable_max_distance(), point.tmax);
+  }
+  return request;
 }
 
 class Shards : public ReplicaTest {
@@ -103,9 +123,12 @@ class Shards : public ReplicaTest {
   }
 
   /// Everything but the stats and the work.
-  static std::string answer(Api& api, v1::CastRaysRequest request, const std::string& token = {}) {
+  template <class Request>
+  static std::string answer(Api& api, Request request, const std::string& token = {}) {
     if (!token.empty()) request.mutable_consistency()->set_at_least(token);
-    v1::CastRaysResponse reply;
+    std::conditional_t<std::is_same_v<Request, v1::CastRaysRequest>, v1::CastRaysResponse,
+                       v1::QueryPointsResponse>
+        reply;
     const grpc::Status cast = api.cast(request, &reply);
     EXPECT_TRUE(cast.ok()) << cast.error_message();
     EXPECT_GT(reply.stats().rays(), 0u);
@@ -118,14 +141,20 @@ class Shards : public ReplicaTest {
     return counts + reply.SerializeAsString();
   }
 
-  void expect_as_one_server(const v1::CastRaysRequest& request, const std::string& token = {}) {
+  template <class Request>
+  void expect_as_one_server(const Request& request, const std::string& token = {}) {
     const std::string whole = answer(plain_->api(), request, token);
     for (std::size_t i = 0; i < kServers; ++i)
       EXPECT_EQ(whole, answer(api(i), request, token)) << request.kind() << " at server " << i;
   }
-  void expect_as_one_server(std::span<const accel::geometry::Ray> rays,
+  void expect_as_one_server(const std::vector<accel::geometry::Ray>& rays,
                             const std::string& token = {}) {
     for (const auto& [kind, fields] : kFields) expect_as_one_server(cast_of(kind, rays), token);
+  }
+  void expect_near_as_one_server(const std::vector<accel::geometry::Ray>& points,
+                                 const std::string& token = {}) {
+    for (const auto& [kind, fields] : kFields)
+      expect_as_one_server(nearest_of(kind, points), token);
   }
 
   TempDir sockets_;

@@ -28,6 +28,32 @@ TEST_F(Shards, AnswerAsOneServer) {
   expect_as_one_server(rays());
 }
 
+TEST_F(Shards, AnswerPointsAsOneServer) {
+  start_shards();
+  make_grid();
+  expect_near_as_one_server(rays());
+  v1::QueryPointsRequest request = nearest_of(v1::QUERY_KIND_CLOSEST, rays());
+  request.set_root(1);
+  expect_as_one_server(request);
+  request.clear_points();
+  v1::PointGrid& grid = *request.mutable_grid();
+  for (const double x : {-3, -3, 1}) grid.add_origin(x);
+  for (const double x : {1.5, 0.0, 0.0}) grid.add_across(x);
+  for (const double x : {0.0, 1.5, 0.0}) grid.add_down(x);
+  grid.set_columns(18);
+  grid.set_rows(18);
+  expect_as_one_server(request);
+}
+
+TEST_F(Shards, RefuseSidesOfPoints) {
+  start_shards();
+  make_grid();
+  v1::QueryPointsRequest request = nearest_of(v1::QUERY_KIND_CLOSEST, rays());
+  request.add_fields(v1::HIT_FIELD_INSIDE);
+  v1::QueryPointsResponse reply;
+  EXPECT_EQ(reason_of(api(0).cast(request, &reply)), "SIDES_ARE_NOT_SHARDED");
+}
+
 TEST_F(Shards, AnswerAsOneServerWhereFacesCoincide) {
   start_shards();
   make_scene(12, [](int i) { return at(i % 3 == 0 ? -0.5 : 0, 0, 0); });

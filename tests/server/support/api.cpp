@@ -170,6 +170,11 @@ grpc::Status Api::cast(const v1::CastRaysRequest& request, v1::CastRaysResponse*
   return rays->CastRays(&context, request, reply);
 }
 
+grpc::Status Api::cast(const v1::QueryPointsRequest& request, v1::QueryPointsResponse* reply) {
+  grpc::ClientContext context;
+  return rays->QueryPoints(&context, request, reply);
+}
+
 v1::CastRaysResponse Api::cast(const v1::CastRaysRequest& request) {
   v1::CastRaysResponse reply;
   const grpc::Status status = cast(request, &reply);

@@ -63,6 +63,7 @@ class Api {
   v1::Scene get(const std::string& scene);
   v1::GetSceneStatsResponse stats(const std::string& scene);
   grpc::Status cast(const v1::CastRaysRequest& request, v1::CastRaysResponse* reply);
+  grpc::Status cast(const v1::QueryPointsRequest& request, v1::QueryPointsResponse* reply);
   /// The reply; fails the test on an error.
   v1::CastRaysResponse cast(const v1::CastRaysRequest& request);
 
