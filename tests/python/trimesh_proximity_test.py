@@ -4,6 +4,7 @@ import copy
 import gc
 import os
 import pickle
+import threading
 import time
 import types
 import warnings
@@ -282,6 +283,20 @@ class SceneTest(ServerTest):
         plain = types.SimpleNamespace(**vars(boxes(([0, 0, 0], [1, 1, 1]))))  # one cannot tell when it ends
         self.assertEqual(closest_point(plain, [[0, 0, 2]], client=self.client)[1].tolist(), [1])
         self.count(0)
+
+    def test_threads_share_a_mesh(self):
+        self.count(0)
+        mesh, points, answers = boxes(([0, 0, 0], [1, 1, 1])), somewhere(3000), []
+        threads = [threading.Thread(target=lambda: answers.append(signed_distance(mesh, points, client=self.client)))
+                   for _ in range(8)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(len(answers), 8)
+        for answer in answers:
+            np.testing.assert_allclose(answer, -height_of(points), rtol=1e-13)
+        self.count(1)
 
     def test_pickles_and_copies(self):
         os.environ["SIGHTLINE_ENDPOINT"] = self.server.endpoint

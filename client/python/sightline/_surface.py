@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import hashlib
 import os
+import threading
 import weakref
 from typing import Any, Dict, NamedTuple, Optional, Tuple
 
@@ -87,21 +88,23 @@ class Surface:
 
 
 class Current:
-    """The surface of one mesh as it is now."""
+    """The surface of one mesh as it is now. Threads: any, while the mesh does not change."""
 
     def __init__(self, client: Optional[Client]):
         self._client = client
+        self._lock = threading.Lock()
         self._surface: Optional[Surface] = None
         self._key: Any = None
 
     def of(self, mesh: Any) -> Surface:
         key = _content(mesh)
-        if self._surface is None or key != self._key:
-            surface = Surface(mesh, self._client)
-            if self._surface is not None:
-                self._surface.own.close()
-            self._surface, self._key = surface, key
-        return self._surface
+        with self._lock:
+            if self._surface is None or key != self._key:
+                surface = Surface(mesh, self._client)
+                if self._surface is not None:
+                    self._surface.own.close()
+                self._surface, self._key = surface, key
+            return self._surface
 
 
 class OfMesh:
