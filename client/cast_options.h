@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -67,6 +68,12 @@ struct BasicHitColumns {
   Span<double> position{};  ///< (n, 3) where the ray hits, in world space; NaN without a hit
   /// (n) the name of the node, "" without a hit; in an answer its row in HitView::names
   std::conditional_t<is_const, std::span<const std::uint32_t>, std::span<std::string>> name{};
+  /// (n) of points, as the next two, with kClosest: `t`, negative inside. 0 has no sign
+  Span<double> signed_distance{};
+  Span<std::uint8_t> inside{};  ///< (n) 0 outside, 1 inside, 2 bad point, kUnanswered
+  /// (n) of CastOptions::side_rays, those that say inside. Neither 0 nor all of them: the surface
+  /// has a hole there
+  Span<std::uint8_t> votes{};
 };
 using HitColumns = BasicHitColumns<false>;
 /// For a cast of all hits, the columns t, node, primitive, barycentric, normal, position and name
@@ -101,6 +108,19 @@ struct HitFields {
   bool hit_bits = false;
   bool position = false;
   bool name = false;
+  bool signed_distance = false;
+  bool inside = false;
+  bool votes = false;
+
+  bool operator==(const HitFields&) const = default;
+
+  bool has_sides() const { return signed_distance || inside || votes; }
+  /// Whether sides are asked for, and nothing that needs a distance.
+  bool are_sides_alone() const {
+    HitFields others = *this;
+    others.inside = others.votes = false;
+    return has_sides() && others == HitFields();
+  }
 };
 
 /// What is asked about each ray. All kinds see the same hits, whatever the limits, masks and other
@@ -125,6 +145,17 @@ enum class BuildMode : std::uint8_t {
   kBuiltOnly,  ///< nothing; unbuilt cells are skipped: shows what exists, and is no valid query
 };
 
+/// What decides whether a point is inside; docs/distance_rule.md says which rule suits which mesh.
+enum class SideRule : std::uint8_t {
+  kParity,   ///< a ray from the point crosses an odd number of faces
+  kWinding,  ///< the ray does not meet as many faces from behind as from the front
+  kNormal,   ///< the point is behind the nearest face, or those that share the nearest edge or
+             ///< corner
+};
+
+/// The most rays that may decide together.
+inline constexpr std::uint32_t kMaxSideRays = 63;
+
 struct CastOptions {
   QueryKind kind = QueryKind::kClosest;
   BuildMode build = BuildMode::kServerPolicy;
@@ -136,6 +167,10 @@ struct CastOptions {
   std::vector<std::uint64_t> exclude{};
   /// How many hits kAll keeps per ray, the nearest first. 0: the server's default.
   std::uint32_t max_hits = 0;
+  /// Of points, as side_rays: what signed_distance, inside and votes go by. Not set: kParity.
+  std::optional<SideRule> side_rule{};
+  /// kParity, kWinding: the number of rays whose majority decides: odd, at most kMaxSideRays. 0: 1.
+  std::uint32_t side_rays = 0;
   /// Time for the cast on the server, its waiting there included. Rays that have no answer by then
   /// are marked, and CastReport counts them. What was built for them stays: the next cast goes on
   /// from there. 0: no bound.
@@ -158,7 +193,9 @@ struct CastReport {
   std::uint64_t revision = 0;  ///< the revision of the scene that answered every ray
   std::string token{};         ///< that revision's, for Consistency::at_least
   std::uint64_t rays = 0;
-  std::uint64_t hits = 0;  ///< rays with a hit, for every kind
+  /// rays with a hit, for every kind; 0 where HitFields::are_sides_alone(), as no face is looked
+  /// for
+  std::uint64_t hits = 0;
   std::uint64_t invalid = 0;
   std::uint64_t unanswered = 0;  ///< rays left unanswered; CastOptions::time_budget, allow_partial
   std::uint64_t hits_found = 0;  ///< kCount: the sum of the counts; kAll: the hits listed

@@ -210,7 +210,10 @@ class Client {
   /// columns of `hits` that are not empty, one row per point: `t` is the distance, `position` the
   /// nearest point of the face and `barycentric` its weights. Every kind of query counts the faces
   /// within a point's max_distance. `options` are those of casts, but for `culling`, which must be
-  /// kNone. Errors: as cast().
+  /// kNone. `signed_distance`, `inside` and `votes` tell on which side of the surfaces the points
+  /// are, whatever their max_distance; if only the last two are asked, no distance is computed.
+  /// Errors: as cast(); and kInvalidArgument for sides with another kind than kClosest, and for
+  /// side options that are out of range, or without a column of theirs.
   Result<CastReport> nearest(const std::string& scene, const PointColumns<const double>& points,
                              const HitColumns& hits, const CastOptions& options = {}) const;
   Result<CastReport> nearest(const std::string& scene, const PointColumns<const float>& points,

@@ -7,28 +7,15 @@
 #include <optional>
 
 #include "accel/geometry/bounded_signs.h"
+#include "accel/geometry/closest_errors.h"
 #include "accel/geometry/closest_exact.h"
 #include "accel/geometry/intersect.h"
-#include "accel/geometry/local_ray.h"
 
 namespace sightline::accel::geometry {
 namespace {
 
 using Matrix = std::array<double, 12>;
 using Vertices = std::array<Vec3f, 3>;
-
-double square(const Vec3dd& v) { return dot(high(v), high(v)); }
-
-/// The largest distance of a corner.
-double reach(const SeenFace& face) {
-  return std::sqrt(
-      std::max({square(face.corner[0]), square(face.corner[1]), square(face.corner[2])}));
-}
-
-/// |e_2| |e_0| / |N|: how much larger relative errors are in N than in its terms.
-double thinness(const SeenFace& face, const Vec3dd& normal) {
-  return std::sqrt(square(face.edge[2]) * square(face.edge[0]) / square(normal));
-}
 
 /// The square of a distance as a quotient.
 struct SquaredDistance {
@@ -75,29 +62,12 @@ std::optional<double> computed_distance(const SeenFace& face) {
   return d.high;
 }
 
-Vec3d without_smallest(const Vec3d& p) {
-  const auto flushed = [](double x) { return std::fabs(x) < kSmallestRay ? 0.0 : x; };
-  return {flushed(p.x), flushed(p.y), flushed(p.z)};
-}
-
-/// How far the computed nearest point may be off, inside or on an edge: what the errors of the
-/// corners and of double-doubles make of it, for a shortest edge of this length.
-double spread(const SeenFace& face, double thinness, double shortest) {
-  const double largest = reach(face);
-  return 16 * (face.error + 0x1p-98 * largest) * thinness * (1 + largest / shortest);
-}
-
 /// Whether the nearest point and its weights are off by much less than they are rounded by.
 bool is_accurate(const Vec3d& p, const SeenFace& face, double thinness, double shortest) {
   double largest = max_norm(p);
   for (const Vec3dd& corner : face.corner) largest = std::max(largest, max_norm(high(corner) + p));
   const double off = spread(face, thinness, shortest);
   return off <= 0x1p-56 * largest && off * thinness <= 0x1p-40 * shortest;
-}
-
-Vec3d rounded_sum(const Vec3dd& a, const Vec3d& p) {
-  const auto sum = [](const DoubleDouble& x, double y) { return (x + DoubleDouble{y}).high; };
-  return {sum(a.x, p.x), sum(a.y, p.y), sum(a.z, p.z)};
 }
 
 std::optional<ClosestPoint> computed_on_edge(const Vec3d& p, const SeenFace& face, std::size_t i) {
@@ -110,9 +80,7 @@ std::optional<ClosestPoint> computed_on_edge(const Vec3d& p, const SeenFace& fac
 
 std::optional<ClosestPoint> computed_inside(const Vec3d& p, const SeenFace& face) {
   const Vec3dd normal = cross(face.edge[2], face.edge[0]);
-  const double shortest =
-      std::sqrt(std::min({square(face.edge[0]), square(face.edge[1]), square(face.edge[2])}));
-  if (!is_accurate(p, face, thinness(face, normal), shortest)) return std::nullopt;
+  if (!is_accurate(p, face, thinness(face, normal), shortest_edge(face))) return std::nullopt;
   const DoubleDouble whole = dot(normal, normal);
   const Vec3dd foot = normal * (dot(normal, face.corner[0]) / whole);
   const Vec3dd from_first = foot - face.corner[0];

@@ -10,6 +10,7 @@
 #include "client/calls/message_source.h"
 #include "client/calls/query_calls.h"
 #include "client/calls/retries.h"
+#include "client/calls/side_check.h"
 #include "client/wire/cast_codec.h"
 
 namespace sightline::client::calls {
@@ -41,10 +42,12 @@ template <class Columns>
 Result<CastReport> cast(const Connection& connection, const std::string& scene, const Columns& rows,
                         const HitColumns& hits, const CastOptions& options) {
   using Calls = CallsOf<RequestOf<Columns>>;
-  if (const Status checked = Calls::check(options); !checked) return checked.error();
   if (const Status checked = check_kind(options.kind); !checked) return checked.error();
   if (const Status checked = check_rows(rows, hits); !checked) return checked.error();
   const HitFields fields = fields_of(hits);
+  if (rows.size() == 0 && has_sides(options))
+    return cast(connection, scene, rows, hits, without_sides(options));
+  if (const Status checked = Calls::check(options, fields); !checked) return checked.error();
   RequestOf<Columns> request;
   wire::describe(scene, fields, options, request);
   set_rows(rows, request);
@@ -85,7 +88,7 @@ Result<CastReport> cast_stream(const Connection& connection, const std::string& 
   if (const Status checked = check_kind(options.kind); !checked) return checked.error();
   if (const Status checked = check_rows(rows, hits); !checked) return checked.error();
   return cast_source(connection, scene, source_of(rows), shape_of(rows), fields_of(hits),
-                     copy_to(hits), options);
+                     copy_to(hits), rows.size() == 0 ? without_sides(options) : options);
 }
 
 template <class Generator>
@@ -104,9 +107,10 @@ Result<CastReport> cast_generated(const Connection& connection, const std::strin
   if (const Status checked = check_kind(options.kind); !checked) return checked.error();
   if (const auto problem = proto::rays::check(generator))
     return Error{Code::kInvalidArgument, problem->message, problem->reason};
-  if (const Status checked = check_rows(proto::rays::count_of(generator), hits); !checked)
-    return checked.error();
-  return cast_generated(connection, scene, generator, fields_of(hits), copy_to(hits), options);
+  const std::uint64_t count = proto::rays::count_of(generator);
+  if (const Status checked = check_rows(count, hits); !checked) return checked.error();
+  return cast_generated(connection, scene, generator, fields_of(hits), copy_to(hits),
+                        count == 0 ? without_sides(options) : options);
 }
 
 template <class Columns>

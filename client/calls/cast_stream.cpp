@@ -29,7 +29,7 @@ void forget_description(Request& request) {
   request.clear_fields();
   request.clear_kind();
   request.clear_build();
-  CallsOf<Request>::clear_culling(request);
+  CallsOf<Request>::clear_own(request);
   request.clear_root();
   request.clear_exclude();
   request.clear_max_hits();
@@ -276,7 +276,8 @@ template <class Request>
 Result<CastReport> cast_messages(const Connection& connection, const std::string& scene,
                                  const MessageSource<Request>& source, HitFields fields,
                                  const HitSink& sink, const CastOptions& options) {
-  if (const Status checked = CallsOf<Request>::check(options); !checked) return checked.error();
+  if (const Status checked = CallsOf<Request>::check(options, fields); !checked)
+    return checked.error();
   return Cast<Request>(connection, scene, source, fields, sink, options).run();
 }
 

@@ -97,6 +97,9 @@ HitFields fields_of(const HitColumns& hits) {
   fields.count = !hits.count.empty();
   fields.position = !hits.position.empty();
   fields.name = !hits.name.empty();
+  fields.signed_distance = !hits.signed_distance.empty();
+  fields.inside = !hits.inside.empty();
+  fields.votes = !hits.votes.empty();
   return fields;
 }
 
@@ -115,7 +118,9 @@ Status check_rows(std::size_t n, const HitColumns& hits, const char* rows) {
         Column{"barycentric", hits.barycentric.size(), 2}, Column{"normal", hits.normal.size(), 3},
         Column{"hit", hits.hit.size(), 1}, Column{"work", hits.work.size(), 1},
         Column{"count", hits.count.size(), 1}, Column{"position", hits.position.size(), 3},
-        Column{"name", hits.name.size(), 1}}) {
+        Column{"name", hits.name.size(), 1},
+        Column{"signed_distance", hits.signed_distance.size(), 1},
+        Column{"inside", hits.inside.size(), 1}, Column{"votes", hits.votes.size(), 1}}) {
     if (Status checked = check_column(column, n, rows); !checked) return checked;
   }
   if (Status checked = check_bits("hit_bits", hits.hit_bits.size(), n, rows); !checked)
@@ -196,6 +201,9 @@ void copy_hits(const HitView& answers, std::size_t first, const HitColumns& hits
   put_rows(answers.work, first, 1, hits.work);
   put_rows(answers.count, first, 1, hits.count);
   put_rows(answers.position, first, 3, hits.position);
+  put_rows(answers.signed_distance, first, 1, hits.signed_distance);
+  put_rows(answers.inside, first, 1, hits.inside);
+  put_rows(answers.votes, first, 1, hits.votes);
   if (hits.name.empty()) return;
   for (std::size_t i = 0; i < answers.name.size(); ++i)
     hits.name[first + i] = answers.names[answers.name[i]];

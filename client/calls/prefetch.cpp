@@ -10,7 +10,7 @@
 #include "client/calls/connection.h"
 #include "client/calls/message_source.h"
 #include "client/calls/retries.h"
-#include "client/wire/cast_codec.h"
+#include "client/wire/option_codec.h"
 
 namespace sightline::client::calls {
 namespace {

@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "client/calls/side_check.h"
 #include "client/cast_options.h"
 #include "client/points.h"
 #include "client/ray_generator.h"
@@ -18,13 +19,17 @@ namespace v1 = ::sightline::v1;
 template <class Request>
 struct CallsOf;
 
+// In each, clear_own() clears the options that the other does not have.
 template <>
 struct CallsOf<v1::CastRaysRequest> {
   using Response = v1::CastRaysResponse;
   using StreamRequest = v1::StreamCastRaysRequest;
   using StreamResponse = v1::StreamCastRaysResponse;
 
-  static Status check(const CastOptions&) { return {}; }
+  /// Errors: kInvalidArgument, what is about points alone.
+  static Status check(const CastOptions& options, HitFields fields) {
+    return check_no_sides(options, fields);
+  }
   static grpc::Status call(v1::RayQueryService::Stub& stub, grpc::ClientContext& context,
                            const v1::CastRaysRequest& request, Response& response) {
     return stub.CastRays(&context, request, &response);
@@ -32,7 +37,7 @@ struct CallsOf<v1::CastRaysRequest> {
   static auto open(v1::RayQueryService::Stub& stub, grpc::ClientContext& context) {
     return stub.StreamCastRays(&context);
   }
-  static void clear_culling(v1::CastRaysRequest& request) { request.clear_culling(); }
+  static void clear_own(v1::CastRaysRequest& request) { request.clear_culling(); }
 };
 
 template <>
@@ -41,9 +46,9 @@ struct CallsOf<v1::QueryPointsRequest> {
   using StreamRequest = v1::StreamQueryPointsRequest;
   using StreamResponse = v1::StreamQueryPointsResponse;
 
-  /// Errors: kInvalidArgument, options that are about rays alone.
-  static Status check(const CastOptions& options) {
-    if (options.culling == Culling::kNone) return {};
+  /// Errors: kInvalidArgument, what is about rays alone, and those of check_sides().
+  static Status check(const CastOptions& options, HitFields fields) {
+    if (options.culling == Culling::kNone) return check_sides(options, fields);
     return Error{
         Code::kInvalidArgument, "points see both sides of a face: culling must be kNone", {}};
   }
@@ -54,7 +59,10 @@ struct CallsOf<v1::QueryPointsRequest> {
   static auto open(v1::RayQueryService::Stub& stub, grpc::ClientContext& context) {
     return stub.StreamQueryPoints(&context);
   }
-  static void clear_culling(v1::QueryPointsRequest&) {}
+  static void clear_own(v1::QueryPointsRequest& request) {
+    request.clear_side_rule();
+    request.clear_side_rays();
+  }
 };
 
 template <class Rows>

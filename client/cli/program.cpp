@@ -121,6 +121,7 @@ std::unique_ptr<CLI::App> make_program(Session& session) {
   verbs::add_rtrace_verb(program, session);
   verbs::add_prefetch_verb(program, session);
   verbs::add_render_verb(program, session);
+  verbs::add_slice_verb(program, session);
   verbs::add_stats_verb(program, session);
   verbs::add_update_verb(program, session);
   verbs::add_stream_verb(program, session);

@@ -8,6 +8,7 @@
 #include <limits>
 #include <type_traits>
 
+#include "client/wire/option_codec.h"
 #include "client/wire/scene_codec.h"
 
 namespace sightline::client::wire {
@@ -25,10 +26,14 @@ std::uint64_t first_row(const v1::QueryPointsResponse& response) { return respon
 constexpr const char* rows_of(const v1::CastRaysResponse&) { return "rays"; }
 constexpr const char* rows_of(const v1::QueryPointsResponse&) { return "points"; }
 
-void set_culling(Culling culling, v1::CastRaysRequest& request) {
-  request.set_culling(encode(culling));
+// The options that only one of the two has.
+void set_own(const CastOptions& options, v1::CastRaysRequest& request) {
+  request.set_culling(encode(options.culling));
 }
-void set_culling(Culling, v1::QueryPointsRequest&) {}
+void set_own(const CastOptions& options, v1::QueryPointsRequest& request) {
+  if (options.side_rule) request.set_side_rule(encode(*options.side_rule));
+  request.set_side_rays(options.side_rays);
+}
 
 template <class Response>
 const std::string* find(const Response& response, v1::HitField field) {
@@ -66,13 +71,22 @@ bool view_unanswered(const Response& response, std::size_t n, HitView& hits) {
 }
 
 template <class Response>
+bool view_sides(const Response& response, HitFields fields, std::size_t n, HitView& hits) {
+  return view_column(response, fields.signed_distance, v1::HIT_FIELD_SIGNED, n,
+                     hits.signed_distance) &&
+         view_column(response, fields.inside, v1::HIT_FIELD_INSIDE, n, hits.inside) &&
+         view_column(response, fields.votes, v1::HIT_FIELD_VOTES, n, hits.votes);
+}
+
+template <class Response>
 bool view_rays(const Response& response, HitFields fields, std::size_t n, HitView& hits) {
   return view_unanswered(response, n, hits) &&
          view_column(response, fields.hit, v1::HIT_FIELD_HIT, n, hits.hit) &&
          view_column(response, fields.hit_bits, v1::HIT_FIELD_HIT_BITS, bits_bytes(n),
                      hits.hit_bits) &&
          view_column(response, fields.work, v1::HIT_FIELD_WORK, n, hits.work) &&
-         view_column(response, fields.count, v1::HIT_FIELD_COUNT, n, hits.count);
+         view_column(response, fields.count, v1::HIT_FIELD_COUNT, n, hits.count) &&
+         view_sides(response, fields, n, hits);
 }
 
 // Views the names. Returns false also if a row is not one of them.
@@ -99,48 +113,6 @@ bool view_surfaces(const Response& response, HitFields fields, std::size_t n, Hi
 
 }  // namespace
 
-v1::QueryKind encode(QueryKind kind) {
-  switch (kind) {
-    case QueryKind::kClosest:
-      return v1::QUERY_KIND_CLOSEST;
-    case QueryKind::kAny:
-      return v1::QUERY_KIND_ANY;
-    case QueryKind::kCount:
-      return v1::QUERY_KIND_COUNT;
-    case QueryKind::kAll:
-      return v1::QUERY_KIND_ALL;
-  }
-  return v1::QUERY_KIND_UNSPECIFIED;
-}
-
-v1::Culling encode(Culling culling) {
-  switch (culling) {
-    case Culling::kNone:
-      return v1::CULLING_NONE;
-    case Culling::kBack:
-      return v1::CULLING_BACK;
-    case Culling::kFront:
-      return v1::CULLING_FRONT;
-  }
-  return v1::CULLING_UNSPECIFIED;
-}
-
-v1::BuildMode encode(BuildMode build) {
-  switch (build) {
-    case BuildMode::kServerPolicy:
-      return v1::BUILD_MODE_UNSPECIFIED;
-    case BuildMode::kLazy:
-      return v1::BUILD_MODE_LAZY;
-    case BuildMode::kFull:
-      return v1::BUILD_MODE_FULL;
-    case BuildMode::kNone:
-      return v1::BUILD_MODE_NONE;
-    case BuildMode::kBuiltOnly:
-      return v1::BUILD_MODE_BUILT_ONLY;
-  }
-  return v1::BUILD_MODE_UNSPECIFIED;
-}
-
 std::uint32_t milliseconds_of(std::chrono::milliseconds budget) {
   if (budget.count() == 0) return 0;
   constexpr std::int64_t kMost = std::numeric_limits<std::uint32_t>::max();
@@ -153,7 +125,7 @@ void describe(const std::string& scene, HitFields fields, const CastOptions& opt
   request.set_scene(scene);
   request.set_kind(encode(options.kind));
   request.set_build(encode(options.build));
-  set_culling(options.culling, request);
+  set_own(options, request);
   request.set_root(options.root);
   request.mutable_exclude()->Assign(options.exclude.begin(), options.exclude.end());
   request.set_max_hits(options.max_hits);
@@ -173,6 +145,9 @@ void describe(const std::string& scene, HitFields fields, const CastOptions& opt
   if (fields.count) request.add_fields(v1::HIT_FIELD_COUNT);
   if (fields.position) request.add_fields(v1::HIT_FIELD_POSITION);
   if (fields.name) request.add_fields(v1::HIT_FIELD_NAME);
+  if (fields.signed_distance) request.add_fields(v1::HIT_FIELD_SIGNED);
+  if (fields.inside) request.add_fields(v1::HIT_FIELD_INSIDE);
+  if (fields.votes) request.add_fields(v1::HIT_FIELD_VOTES);
 }
 
 template <class Scalar>

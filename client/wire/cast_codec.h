@@ -16,10 +16,6 @@ namespace sightline::client::wire {
 
 namespace v1 = ::sightline::v1;
 
-v1::QueryKind encode(QueryKind kind);
-v1::BuildMode encode(BuildMode build);
-v1::Culling encode(Culling culling);
-
 /// A time budget on the wire: 0 for none, and at least 1 for any other, even a negative one.
 std::uint32_t milliseconds_of(std::chrono::milliseconds budget);
 

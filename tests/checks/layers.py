@@ -34,6 +34,10 @@ scenegraph/trace_options    accel/geometry accel/lazy
 scenegraph/query            scenegraph/model scenegraph/instances scenegraph/revision scenegraph/trace_options
                             proto/result accel/geometry accel/kdtree accel/wide accel/lazy accel/mesh
 scenegraph/trace            scenegraph/* proto/result accel/geometry accel/kdtree
+scenegraph/*.h              scenegraph/revision scenegraph/trace_options proto/result accel/geometry
+scenegraph/query/normal_sides
+                            scenegraph/* proto/result accel/geometry
+scenegraph/*.cpp            scenegraph/* proto/result accel/geometry
 scenegraph/scene            scenegraph/* proto/result accel/geometry
 
 server/exec                 proto/result proto/printable accel/kdtree

@@ -1,4 +1,4 @@
-// The table of columns, and the rows of a cast of all hits.
+// The table of columns.
 #include "client/cli/files/hit_columns.h"
 
 #include <fmt/format.h>
@@ -7,9 +7,7 @@
 #include <array>
 #include <cstring>
 #include <iterator>
-#include <limits>
 #include <optional>
-#include <span>
 #include <type_traits>
 
 #include "client/cli/terminal.h"
@@ -17,7 +15,7 @@
 namespace sightline::client::cli::files {
 namespace {
 
-constexpr std::array<HitColumnInfo, 16> kColumns{{{"ray", "<u8", 8},
+constexpr std::array<HitColumnInfo, 19> kColumns{{{"ray", "<u8", 8},
                                                   {"t", "<f8", 8},
                                                   {"node", "<u8", 8},
                                                   {"primitive", "<u4", 4},
@@ -30,13 +28,21 @@ constexpr std::array<HitColumnInfo, 16> kColumns{{{"ray", "<u8", 8},
                                                   {"ny", "<f4", 4},
                                                   {"nz", "<f4", 4},
                                                   {"name", "", 0},
+                                                  {"signed", "<f8", 8},
+                                                  {"inside", "|u1", 1},
+                                                  {"votes", "|u1", 1},
                                                   {"hit", "|u1", 1},
                                                   {"work", "<u4", 4},
                                                   {"count", "<u4", 4}}};
 constexpr HitColumnInfo kPoint{"point", "<u8", 8}, kDistance{"distance", "<f8", 8};
 
+bool is_side(HitColumn column) {
+  return column >= HitColumn::kSigned && column <= HitColumn::kVotes;
+}
+
 bool is_of_rays(HitColumn column) {
-  return column != HitColumn::kName && (column < HitColumn::kX || column > HitColumn::kZ);
+  const bool is_position = column >= HitColumn::kX && column <= HitColumn::kZ;
+  return !is_position && column != HitColumn::kName && !is_side(column);
 }
 
 std::optional<HitColumn> column_named(std::string_view name, RowKind asked) {
@@ -78,6 +84,12 @@ void visit_value(const RowView& hits, std::size_t i, HitColumn column, Use use) 
       return use(hits.normal[3 * i + 2]);
     case HitColumn::kName:
       return use(name_of(hits, i));
+    case HitColumn::kSigned:
+      return use(hits.signed_distance[i]);
+    case HitColumn::kInside:
+      return use(hits.inside[i]);
+    case HitColumn::kVotes:
+      return use(hits.votes[i]);
     case HitColumn::kHit:
       return use(hits.hit[i]);
     case HitColumn::kWork:
@@ -85,18 +97,6 @@ void visit_value(const RowView& hits, std::size_t i, HitColumn column, Use use) 
     case HitColumn::kCount:
       return use(hits.count[i]);
   }
-}
-
-constexpr std::uint8_t kBadRay = 2;
-/// Beyond every list of names.
-constexpr std::uint32_t kNoName = std::numeric_limits<std::uint32_t>::max();
-
-template <class T>
-void add_rows(std::span<const T> from, std::size_t begin, std::size_t end, std::size_t width,
-              std::vector<T>& to) {
-  if (from.empty()) return;
-  to.insert(to.end(), from.begin() + static_cast<std::ptrdiff_t>(begin * width),
-            from.begin() + static_cast<std::ptrdiff_t>(end * width));
 }
 
 }  // namespace
@@ -131,6 +131,8 @@ Status check_columns(const std::vector<HitColumn>& columns, QueryKind kind, RowK
   if (asked == RowKind::kPoints && has_faces) {
     known.insert(known.end(), {HitColumn::kNx, HitColumn::kNy, HitColumn::kNz, HitColumn::kName});
   }
+  if (asked == RowKind::kPoints && kind == QueryKind::kClosest)
+    known.insert(known.end(), {HitColumn::kSigned, HitColumn::kInside, HitColumn::kVotes});
   for (const HitColumn column : columns) {
     if (std::find(known.begin(), known.end(), column) != known.end()) continue;
     return local_error(fmt::format("this kind of {} has no '{}'",
@@ -188,6 +190,15 @@ HitFields fields_for(const std::vector<HitColumn>& columns) {
       case HitColumn::kNz:
         fields.normal = true;
         break;
+      case HitColumn::kSigned:
+        fields.signed_distance = true;
+        break;
+      case HitColumn::kInside:
+        fields.inside = true;
+        break;
+      case HitColumn::kVotes:
+        fields.votes = true;
+        break;
       case HitColumn::kHit:
         fields.hit = true;
         break;
@@ -219,69 +230,6 @@ void put_text(const RowView& hits, std::size_t i, HitColumn column, std::string&
   // The shortest text that reads back as the same number.
   visit_value(hits, i, column,
               [&](auto value) { fmt::format_to(std::back_inserter(out), "{}", value); });
-}
-
-RowView HitRows::make(std::uint64_t first, const HitView& hits) {
-  ray_.clear();
-  node_.clear();
-  t_.clear();
-  primitive_.clear();
-  work_.clear();
-  barycentric_.clear();
-  position_.clear();
-  normal_.clear();
-  name_.clear();
-  hit_.clear();
-  for (std::size_t i = 0; i + 1 < hits.offsets.size(); ++i) {
-    if (hits.hit[i] == kBadRay) {
-      add_without_hit(std::numeric_limits<double>::quiet_NaN());
-    } else if (hits.hit[i] == kUnanswered) {
-      add_without_hit(-std::numeric_limits<double>::infinity());
-    } else {
-      add_hits(hits, i);
-    }
-    hit_.resize(t_.size(), hits.hit[i]);
-    ray_.resize(t_.size(), first + i);
-    if (!hits.work.empty()) work_.resize(t_.size(), hits.work[i]);
-  }
-  RowView rows;
-  rows.ray = ray_;
-  rows.t = t_;
-  rows.node = node_;
-  rows.primitive = primitive_;
-  rows.barycentric = barycentric_;
-  rows.position = position_;
-  rows.normal = normal_;
-  rows.name = name_;
-  rows.names = hits.names;
-  rows.hit = hit_;
-  rows.work = work_;
-  return rows;
-}
-
-void HitRows::add_without_hit(double t) {
-  t_.push_back(t);
-  node_.push_back(0);
-  primitive_.push_back(0);
-  barycentric_.insert(barycentric_.end(), 2, 0.0F);
-  position_.insert(position_.end(), 3, std::numeric_limits<double>::quiet_NaN());
-  normal_.insert(normal_.end(), 3, 0.0F);
-  name_.push_back(kNoName);
-}
-
-void HitRows::add_hits(const HitView& hits, std::size_t i) {
-  const std::size_t begin = hits.offsets[i], end = hits.offsets[i + 1];
-  if (hits.t.empty()) {
-    t_.resize(t_.size() + end - begin);  // counts the rows even if t was not requested
-  } else {
-    add_rows(hits.t, begin, end, 1, t_);
-  }
-  add_rows(hits.node, begin, end, 1, node_);
-  add_rows(hits.primitive, begin, end, 1, primitive_);
-  add_rows(hits.barycentric, begin, end, 2, barycentric_);
-  add_rows(hits.position, begin, end, 3, position_);
-  add_rows(hits.normal, begin, end, 3, normal_);
-  add_rows(hits.name, begin, end, 1, name_);
 }
 
 }  // namespace sightline::client::cli::files

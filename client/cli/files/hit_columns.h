@@ -1,4 +1,4 @@
-// The columns of a hit file: names, types, order, and the rows of a cast of all hits.
+// The columns of a hit file: names, types, order, and values.
 #pragma once
 
 #include <cstddef>
@@ -29,6 +29,9 @@ enum class HitColumn : std::uint8_t {
   kNy,
   kNz,
   kName,
+  kSigned,
+  kInside,
+  kVotes,
   kHit,
   kWork,
   kCount
@@ -75,28 +78,5 @@ std::string_view name_of(const RowView& hits, std::size_t i);
 /// Writes the value of the column in row i, as bytes or as text. A name has no bytes.
 void put_bytes(const RowView& hits, std::size_t i, HitColumn column, char* out);
 void put_text(const RowView& hits, std::size_t i, HitColumn column, std::string& out);
-
-/// Makes the rows of a file from a cast of all hits: one row per hit. A bad ray gets one row with t
-/// = NaN and node 0, so that a file tells it from a miss, which has no row; a ray without an answer
-/// gets one with t = -inf. `hit` and `work` of a
-/// ray are repeated in each of its rows. The memory is reused for the next answers.
-class HitRows {
- public:
-  /// `hits` answers rays from number `first` on, and has offsets and `hit`. The returned view is
-  /// valid until the next call.
-  RowView make(std::uint64_t first, const HitView& hits);
-  std::size_t size() const { return ray_.size(); }
-
- private:
-  void add_without_hit(double t);
-  void add_hits(const HitView& hits, std::size_t i);
-
-  std::vector<std::uint64_t> ray_, node_;
-  std::vector<double> t_;
-  std::vector<std::uint32_t> primitive_, work_, name_;
-  std::vector<double> position_;
-  std::vector<float> barycentric_, normal_;
-  std::vector<std::uint8_t> hit_;
-};
 
 }  // namespace sightline::client::cli::files

@@ -143,6 +143,11 @@ std::uint32_t scale_width(PictureSize size) {
   return kWidth * zoom;
 }
 
+PictureSize size_with_scale(PictureSize view) {
+  const PictureSize whole{view.width + kWidth * zoom_of(view), view.height};
+  return scale_width(whole) > 0 ? whole : view;
+}
+
 std::vector<std::uint8_t> beside_scale(const std::vector<std::uint8_t>& view, PictureSize size,
                                        const Scale& scale) {
   const std::size_t width = size.width, view_width = size.width - scale_width(size);

@@ -30,6 +30,10 @@ std::vector<double> ticks_of(const ValueRange& range, int count);
 /// The columns that a scale takes of a picture of this size. 0: the picture is too small for one.
 std::uint32_t scale_width(PictureSize size);
 
+/// The size of a picture whose view has this size, with the columns of a scale added; the same if
+/// the view is too small for one.
+PictureSize size_with_scale(PictureSize view);
+
 /// A picture of this size with the scale in its last scale_width(size) columns and `view` in the
 /// others. `view`: sRGB, (height, width - scale_width, 3).
 std::vector<std::uint8_t> beside_scale(const std::vector<std::uint8_t>& view, PictureSize size,

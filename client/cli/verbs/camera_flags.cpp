@@ -10,18 +10,6 @@
 namespace sightline::client::cli::verbs {
 namespace {
 
-void add_vector_option(CLI::App& verb, const std::string& name, std::optional<picture::Vec3>& value,
-                       const std::string& help) {
-  verb.add_option_function<std::string>(
-          name,
-          [&value, name](const std::string& text) {
-            value = parse_vector(text);
-            if (!value) throw CLI::ValidationError(name, "'" + text + "' is not x,y,z");
-          },
-          help)
-      ->type_name("X,Y,Z");
-}
-
 // An axis by its letter, or any direction.
 std::optional<picture::Vec3> parse_up(const std::string& text) {
   if (text == "x") return picture::Vec3{1, 0, 0};
@@ -46,7 +34,21 @@ void add_up_option(CLI::App& verb, std::optional<picture::Vec3>& up) {
       ->type_name("x|y|z|X,Y,Z");
 }
 
-void add_size_option(CLI::App& verb, PictureSize& size) {
+}  // namespace
+
+void add_vector_option(CLI::App& verb, const std::string& name, std::optional<picture::Vec3>& value,
+                       const std::string& help) {
+  verb.add_option_function<std::string>(
+          name,
+          [&value, name](const std::string& text) {
+            value = parse_vector(text);
+            if (!value) throw CLI::ValidationError(name, "'" + text + "' is not x,y,z");
+          },
+          help)
+      ->type_name("X,Y,Z");
+}
+
+void add_size_option(CLI::App& verb, PictureSize& size, const std::string& help) {
   verb.add_option_function<std::string>(
           "--size",
           [&size](const std::string& text) {
@@ -58,14 +60,13 @@ void add_size_option(CLI::App& verb, PictureSize& size) {
             }
             size = *parsed;
           },
-          "Width and height in pixels; four rays a pixel are cast (default 1280x720)")
+          help)
       ->type_name("WxH");
 }
 
-}  // namespace
-
 void add_camera_flags(CLI::App& verb, picture::CameraRequest& camera, PictureSize& size) {
-  add_size_option(verb, size);
+  add_size_option(verb, size,
+                  "Width and height in pixels; four rays a pixel are cast (default 1280x720)");
   add_vector_option(verb, "--eye", camera.eye,
                     "Where the camera is (default: where it sees the whole scene)");
   add_vector_option(verb, "--at", camera.at, "What it looks at (default: the middle of the scene)");

@@ -1,11 +1,14 @@
 // One stream for a file; one for each burst of rays that come line by line.
 #include "client/cli/verbs/cast_file.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <utility>
 #include <variant>
 
 #include "client/cli/files/hit_file.h"
+#include "client/cli/files/hit_rows.h"
 #include "client/cli/files/point_limit.h"
 #include "client/cli/files/ray_file.h"
 #include "client/cli/terminal.h"
@@ -22,6 +25,9 @@ void add_building(const PrefetchReport& built, CastReport& cast) {
   cast.trace_us += built.elapsed_us;
 }
 
+/// A value of `inside`.
+constexpr std::uint8_t kInside = 1;
+
 // Writes answers to the file.
 class AnswerWriter {
  public:
@@ -34,12 +40,17 @@ class AnswerWriter {
       files::RowView listed = rows_.make(number, answers);
       return write_rows(listed, rows_.size(), number, number + count);
     }
+    inside_ += static_cast<std::uint64_t>(
+        std::count(answers.inside.begin(), answers.inside.end(), kInside));
     files::RowView rows(answers);
     return write_rows(rows, count, number, number + count);
   }
 
   /// The next stream counts its rays from here.
   void set_base(std::uint64_t base) { base_ = base; }
+
+  /// The points that are inside, if that was asked.
+  std::uint64_t inside() const { return inside_; }
 
  private:
   Status write_rows(files::RowView& rows, std::size_t n, std::uint64_t first, std::uint64_t end) {
@@ -64,6 +75,7 @@ class AnswerWriter {
   const bool lists_;
   RaysOnTheirWay* const rays_;
   std::uint64_t base_ = 0;
+  std::uint64_t inside_ = 0;
   files::HitRows rows_;
   std::vector<double> lines_;
 };
@@ -184,6 +196,7 @@ Result<CastOutcome> cast_rays(const Client& client, CastRequest request, files::
   }
   watch(rays, outcome);
   if (request.max_distance) files::limit_distances(rays, *request.max_distance);
+  outcome.looks_for_faces = !request.fields.are_sides_alone();
   const auto start = std::chrono::steady_clock::now();
   PrefetchReport built;
   if (options.build == BuildMode::kFull) {
@@ -196,6 +209,7 @@ Result<CastOutcome> cast_rays(const Client& client, CastRequest request, files::
   outcome.watch.on_their_way = nullptr;
   if (!report) return report.error();
   outcome.cast = *report;
+  if (request.fields.inside) outcome.inside = writer.inside();
   add_building(built, outcome.cast);
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   outcome.seconds = seconds.count();

@@ -2,6 +2,7 @@
 // is nearest to them.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -40,6 +41,8 @@ struct CastRequest {
 struct CastOutcome {
   files::RowKind asked = files::RowKind::kRays;
   CastReport cast;
+  bool looks_for_faces = true;            ///< otherwise `hits` of the cast are none
+  std::optional<std::uint64_t> inside{};  ///< the points that are, if `inside` was asked
   double seconds = 0;
   float float_reach = 0;  ///< the largest coordinate of the origins, if the file has float32
   RayWatch watch;

@@ -93,6 +93,8 @@ Json json_of_cast(const CastOutcome& outcome, QueryKind kind, const SceneStats& 
             {"triangle_tests", cast.triangle_tests},
             {"instances_entered", cast.instances_entered}};
   if (kind == QueryKind::kCount || kind == QueryKind::kAll) json["hits_found"] = cast.hits_found;
+  if (!outcome.looks_for_faces) json["hits"] = nullptr;
+  if (outcome.inside) json["inside"] = *outcome.inside;
   if (kind == QueryKind::kAll) json[rows + "_cut_off"] = cast.rays_cut_off;
   return json;
 }
@@ -102,10 +104,15 @@ void print_cast_summary(std::FILE* to, const CastOutcome& outcome,
   const CastReport& cast = outcome.cast;
   const bool has_rays = outcome.asked == files::RowKind::kRays;
   const std::string_view rows = rows_of(outcome);
-  fmt::print(to, "{} {}, {} {}, {} invalid at revision {} in {:.3f} s ({:.3g} {}/s)\n",
-             format_count(cast.rays), rows, format_count(cast.hits),
-             has_rays ? "hits" : "with a face", format_count(cast.invalid), cast.revision,
-             outcome.seconds, rays_per_second(outcome), rows);
+  const std::string found =
+      !outcome.looks_for_faces
+          ? ""
+          : fmt::format(", {} {}", format_count(cast.hits), has_rays ? "hits" : "with a face");
+  const std::string inside =
+      outcome.inside ? fmt::format(", {} inside", format_count(*outcome.inside)) : "";
+  fmt::print(to, "{} {}{}{}, {} invalid at revision {} in {:.3f} s ({:.3g} {}/s)\n",
+             format_count(cast.rays), rows, found, inside, format_count(cast.invalid),
+             cast.revision, outcome.seconds, rays_per_second(outcome), rows);
   fmt::print(to, "{} cells expanded in {:.1f} ms of thread time", format_count(cast.cells_expanded),
              static_cast<double>(cast.build_us) / 1000);
   if (stats)

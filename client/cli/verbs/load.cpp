@@ -15,6 +15,7 @@
 
 #include "client/cli/files/ray_file.h"
 #include "client/cli/flags.h"
+#include "client/cli/reporting.h"
 #include "client/cli/terminal.h"
 #include "client/cli/verbs/load_output.h"
 #include "client/cli/verbs/verbs.h"

@@ -35,11 +35,21 @@ with distance = nan for a point that is invalid, or distance = -inf for one with
   x y z      f8  the nearest point of the face, in scene coordinates; nan without a face; in .ply nearest_x and so on
   nx ny nz   f4  unit normal of the face; 0 if it has no area
   name           of the node; only in csv and ndjson
+  signed     f8  the distance, negative inside; 0 has no sign; inf, nan and -inf as in distance
+  inside     u1  0 outside, 1 inside, 2 an invalid point, 4 no answer
+  votes      u1  of --side-rays, those that say inside; neither 0 nor all: the surface has a hole there
   hit        u1  0 no face, 1 a face, 2 an invalid point (all that --kind any answers);
                  3 a face, and there are more than --max-hits; 4 no answer (--time-budget, --allow-partial)
   work       u4  steps and triangle tests, only if asked for
   count      u4  faces within the greatest distance (all that --kind count answers); 4294967295: invalid;
                  4294967294: no answer
+
+Sides do not depend on the greatest distance, and only --kind closest has them; with no other fields
+than inside and votes, no distance is computed. Which --side suits which mesh:
+  parity   closed, whatever its windings
+  winding  closed parts that overlap, whose windings agree: inside where one of them is
+  normal   not closed, as a terrain or a wall: behind the face that is nearest
+A mesh with small holes needs parity or winding and --side-rays of 7 or more.
 
 Examples:
   sightline nearest engine --in scan.ply --out deviations.ply
@@ -48,6 +58,9 @@ Examples:
   sightline nearest engine --in points.csv --fields distance,name
   sightline nearest engine --in points.npy --out neighbours.npz --kind all --max-hits 8
   sightline nearest engine --in points.npy --out overlaps.npz --kind all --max-distance 0.1
+  sightline nearest engine --in points.csv --fields signed,inside
+  sightline nearest scan --in points.npy --out inside.npy --fields inside,votes --side-rays 15
+  sightline nearest terrain --in points.csv --fields signed --side normal
   sightline nearest cell --in tool.npy --out clearance.npy --exclude robot
   track-tool | sightline nearest cell --out-format ndjson --quiet | use-distances)";
 

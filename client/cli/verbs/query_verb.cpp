@@ -29,9 +29,9 @@ std::optional<files::Format> format_of(const QueryArguments& arguments) {
   return arguments.out == "-" || !suffix ? std::nullopt : *suffix;
 }
 
-// The columns to write. Checks the arguments against each other. Throws a CLI11 error, which is a
-// usage error.
-std::vector<files::HitColumn> columns_of(const QueryArguments& arguments) {
+// The columns to write. Throws a CLI11 error, which is a usage error, where they do not go with the
+// kind or the format.
+std::vector<files::HitColumn> columns_of_kind(const QueryArguments& arguments) {
   const QueryKind kind = kQueryKinds.at(arguments.kind);
   if (arguments.max_hits > 0 && kind != QueryKind::kAll)
     throw CLI::ValidationError("--max-hits", "only --kind all has it");
@@ -60,6 +60,13 @@ std::vector<files::HitColumn> columns_of(const QueryArguments& arguments) {
   return *std::move(columns);
 }
 
+// As columns_of_kind(), and checks them against the flags about sides.
+std::vector<files::HitColumn> columns_of(const QueryArguments& arguments) {
+  auto columns = columns_of_kind(arguments);
+  check_sides(arguments.sides, columns);
+  return columns;
+}
+
 Result<CastFileRequest> request_of(const Client& client, const QueryArguments& arguments,
                                    const std::stop_token& stop) {
   CastFileRequest request{.scene = arguments.scene,
@@ -76,6 +83,7 @@ Result<CastFileRequest> request_of(const Client& client, const QueryArguments& a
   if (!arguments.build.empty()) options.build = kBuilds.at(arguments.build);
   if (!arguments.cull.empty()) options.culling = kCullings.at(arguments.cull);
   options.max_hits = arguments.max_hits;
+  set_sides(arguments.sides, options);
   options.time_budget = std::chrono::milliseconds(arguments.time_budget_ms);
   options.allow_partial = arguments.allow_partial;
   const auto root = resolve_node(client, arguments.scene, arguments.under);
@@ -185,6 +193,7 @@ void add_filters(CLI::App& verb, QueryArguments& arguments, const Words& words) 
     add_cull(verb, arguments);
   } else {
     add_max_distance(verb, arguments);
+    add_side_flags(verb, arguments.sides);
   }
   verb.add_option("--under", arguments.under, words.under)->check(node_word())->type_name("NODE");
   verb.add_option("--exclude", arguments.exclude, words.exclude)

@@ -9,6 +9,7 @@
 #include "client/cli/files/row_layout.h"
 #include "client/cli/session.h"
 #include "client/cli/terminal.h"
+#include "client/cli/verbs/side_flags.h"
 #include "client/types.h"
 
 namespace CLI {
@@ -29,6 +30,7 @@ struct QueryArguments {
   std::string build{};
   std::string cull{};                    ///< of rays
   std::optional<double> max_distance{};  ///< of points
+  SideArguments sides{};                 ///< of points
   std::string under{};
   std::vector<std::string> exclude{};
   std::uint32_t max_hits = 0;

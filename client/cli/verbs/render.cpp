@@ -2,18 +2,16 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "client/cli/files/output.h"
 #include "client/cli/flags.h"
 #include "client/cli/picture/picture.h"
 #include "client/cli/terminal.h"
 #include "client/cli/verbs/camera_flags.h"
+#include "client/cli/verbs/png_output.h"
 #include "client/cli/verbs/verbs.h"
 
 namespace sightline::client::cli::verbs {
@@ -32,27 +30,6 @@ const std::map<std::string, picture::PictureMode> kModes{{"normal", picture::Pic
                                                          {"depth", picture::PictureMode::kDepth},
                                                          {"node", picture::PictureMode::kNode},
                                                          {"heat", picture::PictureMode::kHeat}};
-
-// The name of a file that says what is written, or standard output.
-CLI::Validator png_file() {
-  return {[](const std::string& path) {
-            std::string end = path.substr(path.size() - std::min<std::size_t>(path.size(), 4));
-            std::transform(end.begin(), end.end(), end.begin(),
-                           [](unsigned char c) { return c < 0x80 ? std::tolower(c) : c; });
-            if (path == "-" || (end == ".png" && path.size() > end.size())) return std::string();
-            return fmt::format("'{}' does not end with .png: pictures are PNG files", path);
-          },
-          ""};
-}
-
-Status write_png(const std::string& path, const picture::Picture& picture, PictureSize size) {
-  const auto bytes = picture::encode_png(picture.rgb, size.width, size.height);
-  if (!bytes) return bytes.error();
-  auto output = files::Output::open(path);
-  if (!output) return output.error();
-  if (Status wrote = output->write(*bytes); !wrote) return wrote;
-  return output->commit();
-}
 
 void add_scale(const picture::Scale& scale, nlohmann::json& document) {
   document["scale"] = {{"low", scale.range.low}, {"high", scale.range.high}, {"unit", scale.unit}};
@@ -91,7 +68,7 @@ ExitCode run(const Session& session, const RenderArguments& arguments) {
                           [&](double part) { bar.update(part); });
   }();
   if (!picture) return fail(picture.error());
-  const Status wrote = write_png(arguments.out, *picture, arguments.picture.size);
+  const Status wrote = write_png(arguments.out, picture->rgb, arguments.picture.size);
   if (!wrote) return fail(wrote.error());
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   report(session, arguments, *picture, seconds.count());
@@ -104,10 +81,7 @@ void add_render_verb(CLI::App& program, Session& session) {
   CLI::App& verb = *program.add_subcommand("render", "A picture of a scene, by ray queries");
   const auto arguments = std::make_shared<RenderArguments>();
   add_scene_argument(verb, arguments->scene);
-  verb.add_option("--out", arguments->out, "The PNG file to write, or - for standard output")
-      ->required()
-      ->check(png_file())
-      ->type_name("FILE.png");
+  add_png_option(verb, arguments->out);
   picture::PictureRequest& picture = arguments->picture;
   add_camera_flags(verb, picture.camera, picture.size);
   verb.add_flag("--ortho", picture.camera.orthographic,
@@ -136,8 +110,7 @@ void add_render_verb(CLI::App& program, Session& session) {
   verb.callback([&session, arguments] {
     arguments->picture.mode = kModes.at(arguments->mode);
     arguments->picture.with_scale = !arguments->no_scale;
-    if (session.json && arguments->out == "-")
-      throw CLI::ValidationError("--json needs a file for --out: both go to standard output");
+    check_png_output(session, arguments->out);
     session.exit = run(session, *arguments);
   });
 }

@@ -30,6 +30,7 @@ void add_load_verb(CLI::App& program, Session& session);
 void add_nearest_verb(CLI::App& program, Session& session);
 void add_prefetch_verb(CLI::App& program, Session& session);
 void add_render_verb(CLI::App& program, Session& session);
+void add_slice_verb(CLI::App& program, Session& session);
 void add_stats_verb(CLI::App& program, Session& session);
 void add_stream_verb(CLI::App& program, Session& session);
 void add_update_verb(CLI::App& program, Session& session);

@@ -151,6 +151,7 @@ TEST_F(Program, HelpHasExamplesForEveryVerb) {
                                                     {"prefetch", "--help"},
                                                     {"render", "--help"},
                                                     {"rtrace", "--help"},
+                                                    {"slice", "--help"},
                                                     {"scene", "add", "--help"},
                                                     {"scene", "export", "--help"},
                                                     {"scene", "cool", "--help"},

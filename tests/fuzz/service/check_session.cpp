@@ -5,6 +5,8 @@
 #include <grpcpp/create_channel.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
@@ -155,7 +157,10 @@ std::set<std::string> created_by(const FuzzCall& call, const RawReply& reply) {
 }
 
 FuzzCall deletion_of(const std::string& scene) {
-  FuzzCall call = example_sessions()[1].back();
+  const auto& all = methods();
+  const auto found = std::find_if(
+      all.begin(), all.end(), [](const auto* method) { return method->name() == "DeleteScene"; });
+  FuzzCall call{.method = static_cast<std::uint8_t>(found - all.begin()), .messages = {}};
   v1::DeleteSceneRequest request;
   request.set_name(scene);
   call.messages = {request.SerializeAsString()};

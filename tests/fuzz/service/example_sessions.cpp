@@ -2,8 +2,10 @@
 #include <openssl/sha.h>
 
 #include <array>
+#include <cstdint>
 #include <cstring>
 #include <span>
+#include <utility>
 
 #include "sightline/v1/blob.pb.h"
 #include "sightline/v1/query.pb.h"
@@ -146,6 +148,32 @@ v1::QueryPointsRequest grid() {
   return request;
 }
 
+v1::QueryPointsRequest sides(v1::SideRule rule, std::uint32_t rays) {
+  v1::QueryPointsRequest request = points(v1::QUERY_KIND_CLOSEST);
+  request.add_fields(v1::HIT_FIELD_SIGNED);
+  request.add_fields(v1::HIT_FIELD_INSIDE);
+  if (rule != v1::SIDE_RULE_NORMAL) request.add_fields(v1::HIT_FIELD_VOTES);
+  request.set_side_rule(rule);
+  request.set_side_rays(rays);
+  return request;
+}
+
+std::vector<FuzzCall> queries_of_sides() {
+  std::vector<FuzzCall> made;
+  for (const auto& [rule, rays] :
+       {std::pair(v1::SIDE_RULE_UNSPECIFIED, 0U), std::pair(v1::SIDE_RULE_PARITY, 63U),
+        std::pair(v1::SIDE_RULE_WINDING, 7U), std::pair(v1::SIDE_RULE_NORMAL, 1U)})
+    made.push_back(call("QueryPoints", {sides(rule, rays).SerializeAsString()}));
+  v1::QueryPointsRequest occupancy = grid();
+  occupancy.add_fields(v1::HIT_FIELD_INSIDE);
+  made.push_back(call("QueryPoints", {occupancy.SerializeAsString()}));
+  made.push_back(
+      call("StreamQueryPoints", {message<v1::StreamQueryPointsRequest>([](auto& request) {
+             *request.mutable_request() = sides(v1::SIDE_RULE_WINDING, 3);
+           })}));
+  return made;
+}
+
 std::vector<FuzzCall> queries_of_points() {
   std::vector<FuzzCall> made;
   for (const v1::QueryKind kind :
@@ -250,6 +278,7 @@ Session join(std::initializer_list<std::vector<FuzzCall>> parts) {
 std::vector<Session> example_sessions() {
   return {join({{create(), upload(), apply()}, casts()}),
           join({{create(), upload(), apply()}, queries_of_points()}),
+          join({{create(), upload(), apply()}, queries_of_sides()}),
           join({{create(), upload(), apply(), stream_updates()}, reads(), {put_scene(), remove()}}),
           join({{create(), stream_updates(), apply(), remove(), stream_updates()}})};
 }

@@ -13,6 +13,8 @@ namespace pb = google::protobuf;
 
 constexpr std::size_t kMaxMessages = 20;
 constexpr std::size_t kMaxText = 70'000;
+/// All values of enumerations, HitField having most, and an unknown one.
+constexpr std::uint64_t kEnumValues = 17;
 
 std::uint64_t any_integer(Random& random) {
   constexpr std::array<std::uint64_t, 14> kOdd{0,
@@ -107,7 +109,8 @@ void change_value(pb::Message& message, const pb::FieldDescriptor& field, int in
     case pb::FieldDescriptor::CPPTYPE_BOOL:
       return set(&R::SetBool, &R::SetRepeatedBool, random.below(2) == 0);
     case pb::FieldDescriptor::CPPTYPE_ENUM:
-      return set(&R::SetEnumValue, &R::SetRepeatedEnumValue, static_cast<int>(random.below(12)));
+      return set(&R::SetEnumValue, &R::SetRepeatedEnumValue,
+                 static_cast<int>(random.below(kEnumValues)));
     case pb::FieldDescriptor::CPPTYPE_STRING: {
       std::string text = index < 0 ? reflection.GetString(message, &field)
                                    : reflection.GetRepeatedString(message, &field, index);
@@ -143,7 +146,7 @@ void add_element(pb::Message& message, const pb::FieldDescriptor& field, Random&
     case pb::FieldDescriptor::CPPTYPE_DOUBLE:
       return reflection.AddDouble(&message, &field, any_number(random));
     case pb::FieldDescriptor::CPPTYPE_ENUM:
-      return reflection.AddEnumValue(&message, &field, static_cast<int>(random.below(12)));
+      return reflection.AddEnumValue(&message, &field, static_cast<int>(random.below(kEnumValues)));
     default:  // no request has such a field
       return;
   }

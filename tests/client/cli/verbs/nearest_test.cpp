@@ -164,7 +164,6 @@ TEST_F(NearestVerb, WhatItDoesNotHaveIsAUsageError) {
   for (const std::vector<std::string>& more : {std::vector<std::string>{"--cull", "back"},
                                                {"--fields", "t"},
                                                {"--fields", "point"},
-                                               {"--fields", "signed"},
                                                {"--kind", "any", "--fields", "distance"},
                                                {"--max-distance", "-1"},
                                                {"--max-distance", "nan"},
