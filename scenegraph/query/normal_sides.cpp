@@ -170,18 +170,6 @@ class NormalSides {
   std::vector<double> radius_;  // and how far; 0: not at all
 };
 
-/// Stats of two searches as those of the points.
-TraceStats of_points(TraceStats stats, std::span<const Side> sides) {
-  const auto count = [&](Side side) {
-    return static_cast<std::uint64_t>(std::count(sides.begin(), sides.end(), side));
-  };
-  stats.invalid = count(Side::kInvalid);
-  stats.unanswered = count(Side::kUnanswered);
-  stats.rays = sides.size() - stats.unanswered;
-  stats.hits = stats.hits_found = stats.cut_off = 0;
-  return stats;
-}
-
 }  // namespace
 
 Result<TraceStats> sides_by_normal(const revision::Snapshot& snapshot, const RayColumns& points,
@@ -194,7 +182,7 @@ Result<TraceStats> sides_by_normal(const revision::Snapshot& snapshot, const Ray
       const std::size_t at = ordered.order[i];
       sides[at] = std::isnan(points.tmax[at]) ? Side::kInvalid : found.sides()[i];
     }
-    return of_points(found.stats(), sides);
+    return found.stats();
   });
 }
 

@@ -11,10 +11,10 @@
 
 namespace sightline::scenegraph::query {
 
-/// Whether points lie behind their nearest faces: SideRule::kNormal. Arguments, errors and stats
-/// are those of find_sides(). A point on the surface, and one for which there is no face, is
-/// outside. Memory: in proportion to the points and, for each thread, to the faces that meet at one
-/// corner.
+/// Whether points lie behind their nearest faces: SideRule::kNormal. Arguments and errors are those
+/// of find_sides(); stats are the sum of its searches. A point on the surface, and one for which
+/// there is no face, is outside. Memory: in proportion to the points and, for each thread, to the
+/// faces that meet at one corner.
 Result<TraceStats> sides_by_normal(const revision::Snapshot& snapshot,
                                    const accel::geometry::RayColumns& points, std::span<Side> sides,
                                    const TraceOptions& options);

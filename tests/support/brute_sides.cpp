@@ -11,13 +11,13 @@
 namespace sightline::tests {
 namespace {
 
-using Corners = std::array<QuadVec, 3>;  // Minus the point
+using QuadCorners = std::array<QuadVec, 3>;  // Minus the point
 
 Quad size_of(const QuadVec& v) { return Precision<Quad>::root(dot(v, v)); }
 
-Corners corners_from(const accel::geometry::Vec3d& p, const PlacedMesh& node,
+QuadCorners corners_from(const accel::geometry::Vec3d& p, const PlacedMesh& node,
                      const accel::geometry::Face& face) {
-  Corners corners;
+  QuadCorners corners;
   for (std::size_t i = 0; i < 3; ++i)
     corners[i] = transform(node.world_from_local, node.mesh.vertices[face[i]]) - widen(p);
   return corners;
@@ -30,7 +30,7 @@ QuadVec nearest_on_segment(const QuadVec& a, const QuadVec& b) {
   return along >= whole ? b : a + edge * (along / whole);
 }
 
-bool is_inside(const Corners& corners, const QuadVec& normal, const QuadVec& foot) {
+bool is_inside(const QuadCorners& corners, const QuadVec& normal, const QuadVec& foot) {
   for (std::size_t i = 0; i < 3; ++i) {
     const QuadVec edge = corners[(i + 1) % 3] - corners[i];
     if (dot(normal, cross(edge, foot - corners[i])) <= 0) return false;
@@ -50,7 +50,7 @@ Quad angle_between(const QuadVec& a, const QuadVec& b) {
 }
 
 /// Points that are no farther from each other than `same` are one.
-Nearest nearest_of(const Corners& corners, Quad same) {
+Nearest nearest_of(const QuadCorners& corners, Quad same) {
   Nearest nearest{corners[0], cross(corners[1] - corners[0], corners[2] - corners[0])};
   for (std::size_t i = 0; i < 3; ++i) {
     const QuadVec point = nearest_on_segment(corners[i], corners[(i + 1) % 3]);
@@ -75,7 +75,7 @@ Nearest nearest_of(const Corners& corners, Quad same) {
   return nearest;
 }
 
-Quad determinant(const scenegraph::model::Affine& a) {
+Quad quad_determinant(const scenegraph::model::Affine& a) {
   const auto row = [&](std::size_t r) { return QuadVec{a.m[r], a.m[r + 1], a.m[r + 2]}; };
   return dot(row(0), cross(row(4), row(8)));
 }
@@ -84,7 +84,7 @@ Quad determinant(const scenegraph::model::Affine& a) {
 
 std::optional<bool> is_behind(const PlacedMesh& node, std::uint32_t primitive,
                               const accel::geometry::Vec3d& p) {
-  const Corners corners = corners_from(p, node, node.mesh.faces[primitive]);
+  const QuadCorners corners = corners_from(p, node, node.mesh.faces[primitive]);
   const Quad same =
       1e-29 * std::max({size_of(corners[0]), size_of(corners[1]), size_of(corners[2])});
   const Nearest nearest = nearest_of(corners, same);
@@ -93,7 +93,7 @@ std::optional<bool> is_behind(const PlacedMesh& node, std::uint32_t primitive,
   for (std::uint32_t f = 0; f < node.mesh.faces.size() && !nearest.inside; ++f) {
     const accel::geometry::Face& face = node.mesh.faces[f];
     if (f == primitive || face[0] >= node.mesh.vertices.size()) continue;
-    Corners other = corners_from(p, node, face);
+    QuadCorners other = corners_from(p, node, face);
     for (QuadVec& corner : other) corner = corner - nearest.point;
     const Nearest there = nearest_of(other, same);
     if (size_of(there.point) > same) continue;
@@ -103,7 +103,7 @@ std::optional<bool> is_behind(const PlacedMesh& node, std::uint32_t primitive,
   const Quad product = dot(sum, nearest.point);
   constexpr Quad kUncertain = 1e-10;
   if (absolute(product) <= kUncertain * weights * size_of(nearest.point)) return std::nullopt;
-  return (product > 0) != (determinant(node.world_from_local) < 0);
+  return (product > 0) != (quad_determinant(node.world_from_local) < 0);
 }
 
 }  // namespace sightline::tests

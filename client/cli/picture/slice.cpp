@@ -23,9 +23,9 @@ Rgb blend(const Rgb& below, const Rgb& above, double share) {
           std::lerp(below[2], above[2], s)};
 }
 
-class Painter {
+class SlicePainter {
  public:
-  Painter(const Slice& slice, const SliceStyle& style)
+  SlicePainter(const Slice& slice, const SliceStyle& style)
       : slice_(slice),
         style_(style),
         line_(std::max(1.0, slice.size.height / kHeightOfThinLines)) {}
@@ -127,7 +127,7 @@ Rgb side_colour(double s) {
 }
 
 std::vector<std::uint8_t> paint_slice(const Slice& slice, const SliceStyle& style) {
-  const Painter painter(slice, style);
+  const SlicePainter painter(slice, style);
   std::vector<std::uint8_t> rgb;
   rgb.reserve(3 * slice.distances.size());
   for (std::uint32_t y = 0; y < slice.size.height; ++y) {

@@ -9,7 +9,7 @@ namespace sightline::client::cli::picture {
 namespace {
 
 /// Of the larger side, on each side.
-constexpr double kMargin = 0.05;
+constexpr double kFrameMargin = 0.05;
 
 /// An axis of the scene, towards its positive or its negative end.
 struct Direction {
@@ -41,7 +41,7 @@ SliceFrame frame_on(const SlicePlane& plane, const SceneInfo& scene, PictureSize
       scene.bounds.value_or(std::array<double, 6>{-0.5, -0.5, -0.5, 0.5, 0.5, 0.5});
   const auto [right, down] = directions_on(plane.axis, scene.up_axis);
   const auto extent = [&](std::size_t axis) { return bounds[axis + 3] - bounds[axis]; };
-  const double margin = kMargin * std::max(extent(right.axis), extent(down.axis));
+  const double margin = kFrameMargin * std::max(extent(right.axis), extent(down.axis));
   double pixel = std::max((extent(right.axis) + 2 * margin) / size.width,
                           (extent(down.axis) + 2 * margin) / size.height);
   if (!(pixel > 0)) pixel = 1.0 / std::max(size.width, size.height);

@@ -121,12 +121,12 @@ ExitCode report(const Session& session, const Client& client, const QueryArgumen
 }
 
 /// What the flags of a verb say.
-struct Words {
+struct FlagWords {
   const char *in, *out, *out_format, *kind, *fields, *build, *under, *exclude, *max_hits,
       *time_budget, *allow_partial;
 };
 
-constexpr Words kWordsOfRays{
+constexpr FlagWords kWordsOfRays{
     "Rays to cast (default -, standard input)",
     "Where the hits go (default -, standard output)",
     "How hits are written (default: as FILE's suffix says, csv without one)",
@@ -141,7 +141,7 @@ constexpr Words kWordsOfRays{
     "If one of several servers that share the scene is lost, rays that need it are marked, and the "
     "exit code is 5 (default: the cast fails)"};
 
-constexpr Words kWordsOfPoints{
+constexpr FlagWords kWordsOfPoints{
     "Points to measure from (default -, standard input)",
     "Where the answers go (default -, standard output)",
     "How answers are written (default: as FILE's suffix says, csv without one)",
@@ -157,7 +157,7 @@ constexpr Words kWordsOfPoints{
     "If one of several servers that share the scene is lost, points that need it are marked, and "
     "the exit code is 5 (default: the query fails)"};
 
-void add_files(CLI::App& verb, QueryArguments& arguments, const Words& words) {
+void add_files(CLI::App& verb, QueryArguments& arguments, const FlagWords& words) {
   verb.add_option("--in", arguments.in, words.in)->type_name("FILE");
   verb.add_option("--out", arguments.out, words.out)->type_name("FILE");
   verb.add_option("--out-format", arguments.out_format, words.out_format)
@@ -188,7 +188,7 @@ void add_cull(CLI::App& verb, QueryArguments& arguments) {
 }
 
 // Options that hide faces.
-void add_filters(CLI::App& verb, QueryArguments& arguments, const Words& words) {
+void add_filters(CLI::App& verb, QueryArguments& arguments, const FlagWords& words) {
   if (arguments.asked == files::RowKind::kRays) {
     add_cull(verb, arguments);
   } else {
@@ -207,7 +207,7 @@ void add_filters(CLI::App& verb, QueryArguments& arguments, const Words& words) 
 }  // namespace
 
 void add_query_flags(CLI::App& verb, QueryArguments& arguments) {
-  const Words& words = arguments.asked == files::RowKind::kRays ? kWordsOfRays : kWordsOfPoints;
+  const FlagWords& words = arguments.asked == files::RowKind::kRays ? kWordsOfRays : kWordsOfPoints;
   add_scene_argument(verb, arguments.scene);
   add_files(verb, arguments, words);
   verb.add_option("--kind", arguments.kind, words.kind)
