@@ -7,6 +7,7 @@
 #include "accel/geometry/bounded_signs.h"
 #include "accel/geometry/closest_errors.h"
 #include "accel/geometry/intersect.h"
+#include "accel/geometry/local_ray.h"
 
 namespace sightline::accel::geometry {
 namespace {
@@ -109,7 +110,7 @@ void set_view(const Vec3d& p, const Vec3dd& from_p, double error, double reach, 
   nearest.off = unit;
   nearest.view = nearest.position;
   nearest.seen = {};
-  nearest.seen_off = 4 * unit;
+  nearest.seen_off = 4 * unit + 2 * kSmallestRay;  // Smaller coordinates of a point are not seen
 }
 
 DoubleDouble angle_at(const FaceNormal& face, const Feature& feature) {

@@ -54,6 +54,16 @@ class AioTest(unittest.IsolatedAsyncioTestCase):
                 hit = [near.hit async for near in answers]
             np.testing.assert_array_equal(np.concatenate(hit), table.min(axis=1) <= 0.5)
 
+    async def test_sides(self):
+        scene = await self.client.import_arrays("box", *brute.box())
+        points = np.random.default_rng(4).uniform(-1, 2, (60, 3))
+        inside = ((points > 0) & (points < 1)).all(axis=1)
+        np.testing.assert_array_equal(await scene.contains(points, side="winding"), inside)
+        near = await scene.closest(points, fields=("signed", "votes"), side_rays=3)
+        np.testing.assert_array_equal((near.signed < 0, near.votes), (inside, 3 * inside))
+        async with scene.contains_batches(np.array_split(points, 6)) as answers:
+            np.testing.assert_array_equal(np.concatenate([some async for some in answers]), inside)
+
     async def test_changes_and_watch(self):
         async with self.scene.batch() as batch:
             node = await self.scene.add(brute.box(), name="box")

@@ -321,7 +321,7 @@ class ClosestTest(ServerTest):
             near.distance
         with self.assertRaisesRegex(AttributeError, "position was not asked for"):
             self.scene.closest(self.points, fields="distance").position
-        for words in ({"kind": "nearest"}, {"fields": ("t",)}, {"fields": ("signed",)}, {"build": "never"},
+        for words in ({"kind": "nearest"}, {"fields": ("t",)}, {"fields": ("signs",)}, {"build": "never"},
                       {"kind": "any", "fields": "distance"}, {"at_least": "a", "revision": 1}):
             with self.subTest(words), self.assertRaises(ValueError):
                 self.scene.closest(self.points, **words)

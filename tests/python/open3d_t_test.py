@@ -48,15 +48,38 @@ class RaycastingSceneTest(ServerTest):
                 expected = ((self.table >= tnear) & (self.table <= tfar)).any(axis=1)
             np.testing.assert_array_equal(self.scene.test_occlusions(self.rays, tnear, tfar), expected)
 
-    def test_occupancy(self):
+    def test_sides(self):
         scene = RaycastingScene(client=self.client)
+        self.assertEqual(scene.compute_signed_distance([[0, 0, 0]]).tolist(), [np.inf])
+        self.assertEqual(scene.compute_occupancy([[0, 0, 0]]).tolist(), [0])
         scene.add_triangles(*brute.box())
         points = np.random.default_rng(3).uniform(-0.5, 1.5, (10, 20, 3)).astype("f4")
         inside = ((points > 0) & (points < 1)).all(axis=-1)
-        for nsamples in (1, 3):
-            np.testing.assert_array_equal(scene.compute_occupancy(points, nsamples=nsamples), inside)
-        with self.assertRaisesRegex(ValueError, "odd"):
-            scene.compute_occupancy(points, nsamples=2)
+        distance = scene.compute_distance(points)
+        for options in ({}, {"nsamples": 1}, {"nthreads": 2, "nsamples": 3}, {"nsamples": 63}):
+            occupancy, signed = (ask(points, **options) for ask in (scene.compute_occupancy,
+                                                                    scene.compute_signed_distance))
+            self.assertEqual([(some.shape, some.dtype.str) for some in (occupancy, signed)], [((10, 20), "<f4")] * 2)
+            np.testing.assert_array_equal(occupancy, inside)
+            np.testing.assert_array_equal(signed.numpy(), np.where(inside, -distance, distance))
+        self.assertEqual(scene.compute_occupancy([0.5, 0.5, 0.5]).shape, ())
+        np.testing.assert_array_equal(scene.compute_signed_distance([[0.5, 0.5, 0.75], [0, 0, 0], [np.nan, 0, 0]], 0, 3),
+                                      [-0.25, 0, np.nan])
+        self.assertEqual(scene.compute_occupancy([[np.nan, 0, 0]]).tolist(), [0])
+        for nsamples in (2, 0, -1, 64, 65):
+            for ask in (scene.compute_occupancy, scene.compute_signed_distance):
+                with self.assertRaisesRegex(ValueError, "nsamples is odd and from 1 to 63"):
+                    ask(points, nsamples=nsamples)
+
+    def test_geometries_that_are_closed_together(self):
+        scene = RaycastingScene(client=self.client)
+        vertices, faces = brute.box()
+        scene.add_triangles(vertices, faces[:6])
+        scene.add_triangles(vertices, faces[6:])
+        scene.add_triangles(vertices + [0.5, 0, 0], faces)
+        points = np.array([[0.25, 0.5, 0.5], [0.75, 0.5, 0.5], [1.25, 0.5, 0.5], [1.75, 0.5, 0.5]])
+        np.testing.assert_array_equal(scene.compute_occupancy(points), [1, 0, 1, 0])  # parts that overlap cancel
+        np.testing.assert_array_equal(scene.compute_signed_distance(points), [-0.25, 0.25, -0.25, 0.25])
 
     def test_pinhole(self):
         rays = RaycastingScene.create_rays_pinhole(90, center=[0, 0, 0], eye=[0, 0, -2], up=[0, 1, 0], width_px=4,
@@ -101,7 +124,3 @@ class RaycastingSceneTest(ServerTest):
             self.assertTrue(np.isnan(answer["points"]).all())
             self.assertEqual(answer["geometry_ids"].tolist(), [RaycastingScene.INVALID_ID])
             self.assertEqual(answer["primitive_ids"].tolist(), [RaycastingScene.INVALID_ID])
-
-    def test_signed_distances_are_refused_by_name(self):
-        with self.assertRaisesRegex(NotImplementedError, "compute_signed_distance"):
-            self.scene.compute_signed_distance(np.zeros((1, 3)))

@@ -24,3 +24,4 @@ class PageTest(unittest.TestCase):
         self.assertEqual(names["near"].hit.tolist(), [True, True, False])
         self.assertEqual(names["two"].point.tolist(), [0, 0, 1, 1, 2, 2])
         self.assertEqual(names["clearance"].shape, (31, 41))
+        self.assertEqual([names["sides"].inside.tolist(), names["sides"].votes.tolist()], [[True, False], [7, 0]])

@@ -9,11 +9,13 @@ import numpy as np
 import sightline
 import sightline.aio
 from shared import ServerTest
+from sightline import trimesh_proximity
 from sightline.open3d_t import RaycastingScene
 from sightline.trimesh_ray import RayMeshIntersector
 
 FAR = np.array([388096.37, 3948996.81, 41.25])
 TEXT = r"rays are float32 and begin up to 3\.95e\+06 from the origin, where float32 values are 0\.25 apart"
+OF_POINTS = TEXT.replace("rays are float32 and begin", "points are float32 and lie")
 
 
 class PrecisionTest(ServerTest):
@@ -47,7 +49,7 @@ class PrecisionTest(ServerTest):
         self.check(lambda: list(self.scene.cast(iter([self.rays, self.single]))))
 
     def test_closest_points(self):
-        text = TEXT.replace("rays are float32 and begin", "points are float32 and lie")
+        text = OF_POINTS
         points = self.single[:, :3]
         for kind in ("closest", "any", "count", "all"):
             self.check(lambda kind=kind: self.scene.closest(points, kind=kind), text)
@@ -106,7 +108,9 @@ class PrecisionTest(ServerTest):
         for name in ("cast_rays", "test_occlusions", "count_intersections", "list_intersections"):
             self.check(lambda name=name: getattr(scene, name)(self.single))
             self.assertEqual(self.warned(lambda name=name: getattr(scene, name)(self.rays)), [])
-        self.check(lambda: scene.compute_occupancy(self.single[:, :3]))
+        for name in ("compute_occupancy", "compute_distance", "compute_signed_distance", "compute_closest_points"):
+            self.check(lambda name=name: getattr(scene, name)(self.single[:, :3]), OF_POINTS)
+            self.assertEqual(self.warned(lambda name=name: getattr(scene, name)(self.rays[:, :3])), [])
         eye = scene.create_rays_pinhole(60, center=FAR, eye=FAR + [0, 0, 5], up=[0, 1, 0], width_px=4, height_px=4)
         self.check(lambda: scene.cast_rays(eye))
 
@@ -116,9 +120,24 @@ class PrecisionTest(ServerTest):
         for name in ("intersects_id", "intersects_location", "intersects_first", "intersects_any"):
             self.check(lambda name=name: getattr(ray, name)(self.single[:, :3], self.single[:, 3:]))
             self.assertEqual(self.warned(lambda name=name: getattr(ray, name)(self.rays[:, :3], self.rays[:, 3:])), [])
-        self.check(lambda: ray.contains_points(self.single[:, :3]))
+        self.check(lambda: ray.contains_points(self.single[:, :3]), OF_POINTS)
         places, _, _ = ray.intersects_location(self.rays[:, :3], self.rays[:, 3:])
         self.assertEqual(places.dtype, np.float64)
+
+    def test_in_place_of_trimesh_proximity(self):
+        mesh = types.SimpleNamespace(vertices=self.box[0], faces=self.box[1])
+        query = trimesh_proximity.ProximityQuery(mesh, client=self.client)
+        for ask in (query.on_surface, query.signed_distance, query.vertex):
+            self.check(lambda ask=ask: ask(self.single[:, :3]), OF_POINTS)
+            self.assertEqual(self.warned(lambda ask=ask: ask(self.rays[:, :3])), [])
+        up = np.broadcast_to([0, 0, 1.0], (3, 3))
+        for method in ("ray", "max_sphere"):
+            for normals, text in ((None, OF_POINTS), (up, TEXT)):
+                def ask(points):
+                    return trimesh_proximity.thickness(mesh, points, False, normals, method, client=self.client)
+
+                self.check(lambda: ask(self.single[:, :3]), text)
+                self.assertEqual(self.warned(lambda: ask(self.rays[:, :3])), [])
 
     def test_warnings_of_meshes_name_the_program(self):
         self.check(lambda: self.scene.add(self.box), "vertices are kept as float32")

@@ -1,6 +1,7 @@
 """The programs of docs/recipes: each runs as it is, and its answers are compared with formulas or brute force."""
 
 import importlib.util
+import io
 import math
 import pathlib
 import subprocess
@@ -28,12 +29,15 @@ class ProgramsTest(unittest.TestCase):
     """Each as a user starts it, in a folder of its own. What it prints and writes."""
 
     EXPECTED = {
+        "clearance": (" 90.0 degrees: 0.050 m to the post", ()),
+        "cloud_to_mesh": ("50000 points, from -0.440 to +0.098 mm", ("deviations.ply",)),
         "inside_test": ("26729 of 100000 points are inside", ()),
         "lidar_scan": ("points of 11520 rays", ("cloud.npy",)),
         "line_of_sight": ("pairs see each other", ()),
         "moving_object": ("forklift at ( 9.0,  0.0): body at 8.00 m", ()),
         "sun_hours": ("21 December: 8.0 h south of the house, 0.0 h north of it", ()),
         "viewshed": ("are seen from the summit", ("viewshed.npy", "viewshed.pgm")),
+        "wall_thickness": ("high z: 0.200 by balls, 0.200 by rays", ()),
     }
 
     def test_run(self):
@@ -163,8 +167,79 @@ class InsideTestTest(ServerTest):
         points = np.random.default_rng(5).uniform([-3, -3, -1], [3, 3, 1], (20_000, 3))
         depth = 0.7 - np.hypot(np.hypot(points[:, 0], points[:, 1]) - 2.0, points[:, 2])
         clear = np.abs(depth) > 0.02  # the mesh is within 0.01 of the torus
-        inside = inside_test.is_inside(scene, points)
+        inside = scene.contains(points)
         np.testing.assert_array_equal(inside[clear], depth[clear] > 0)
+        signed = scene.closest(points, fields=("signed",)).signed
+        np.testing.assert_allclose(signed, -depth, atol=0.02)
+
+
+class ClearanceTest(ServerTest):
+    def test_angles(self):
+        clearance = recipe("clearance")
+        scene, arm = clearance.cell(self.client)
+        before = scene.info().revision
+        low, high = (np.array(end[:2]) for end in clearance.ARM)
+        corners = np.array([[x, y] for x in (low[0], high[0]) for y in (low[1], high[1])])
+        post = np.array([[-0.2, 1.55], [0.2, 1.9]])
+        post_corners = np.array([[x, y] for x in post[:, 0] for y in post[:, 1]])
+
+        def beside(points, first, last):
+            """The least distance of points (n, 2) from a rectangle."""
+            return np.linalg.norm(np.maximum(np.maximum(first - points, points - last), 0), axis=1).min()
+
+        angles = np.radians(np.arange(-75, 130, 7.5))
+        for angle, (metres, name, point) in zip(angles, clearance.clearances(scene, arm, angles)):
+            turn = clearance.pose(angle)[:2, :2]
+            expected = {"floor": 0.5, "wall": 1.8 - (corners @ turn.T)[:, 0].max(),
+                        "post": min(beside(corners @ turn.T, *post), beside(post_corners @ turn, low, high))}
+            nearest = min(expected.values())
+            self.assertTrue(nearest - 1e-6 <= metres <= nearest + clearance.STEP, angle)
+            if name != "post":
+                self.assertAlmostEqual(metres, nearest, places=6)
+            self.assertLess(expected[name], metres + 1e-6)
+            self.assertLess(beside((point[:2] @ turn)[None], low, high), 1e-9)
+        self.assertEqual(scene.info().revision, before + len(angles))
+
+
+class WallThicknessTest(ServerTest):
+    def test_walls(self):
+        walls = recipe("wall_thickness")
+        part, (points, side) = walls.hollow_box(), walls.points_outside(5000)
+        expected = walls.WALLS.ravel()[side]
+        away = np.minimum(points, walls.OUTER - points)
+        away[np.arange(5000), side % 3] = np.inf
+        over_cavity = ((points >= walls.WALLS[0]) & (points <= walls.OUTER - walls.WALLS[1]))
+        over_cavity[np.arange(5000), side % 3] = True
+        clear = over_cavity.all(axis=1)
+        rays = walls.thickness(part, points, method="ray", client=self.client)
+        np.testing.assert_allclose(rays[clear], expected[clear], rtol=1e-5)
+        balls = walls.thickness(part, points, client=self.client)
+        clear &= away.min(axis=1) >= expected / 2
+        self.assertGreater(clear.mean(), 0.5)
+        np.testing.assert_allclose(balls[clear], expected[clear], rtol=1e-4)
+        at_edge = away.min(axis=1) < 0.1  # half of the thinnest wall
+        np.testing.assert_allclose(balls[at_edge], 2 * away.min(axis=1)[at_edge], atol=1e-4)
+        outside = walls.thickness(part, points, exterior=True, client=self.client)
+        self.assertTrue(np.isinf(outside).all())
+
+
+class CloudToMeshTest(ServerTest):
+    def test_deviations(self):
+        cloud = recipe("cloud_to_mesh")
+        points = cloud.scan(5000)
+        scene = self.scene_of(cloud.part())
+        errors = cloud.error_at(points[:, 0], points[:, 1])
+        self.assertTrue(errors.min() < -0.4 < 0.05 < errors.max())
+        np.testing.assert_allclose(cloud.deviations(scene, points), errors, atol=1e-12)
+
+    def test_ply(self):
+        cloud, file = recipe("cloud_to_mesh"), io.BytesIO()
+        cloud.write_ply(file, [[1, 2, 3], [4, 5, 6], [7, 8, 9], [0, 0, 0]], np.array([0, 0.5, -9, 0.25]))
+        header, _, rows = file.getvalue().partition(b"end_header\n")
+        self.assertIn(b"element vertex 4\n", header)
+        rows = np.frombuffer(rows, [("xyz", "<f4", 3), ("rgb", "u1", 3)])
+        self.assertEqual(rows["xyz"][:2].tolist(), [[1, 2, 3], [4, 5, 6]])
+        self.assertEqual(rows["rgb"].tolist(), [[255, 255, 255], [255, 0, 0], [0, 0, 255], [255, 128, 128]])
 
 
 class MovingObjectTest(ServerTest):

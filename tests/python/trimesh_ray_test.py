@@ -3,6 +3,7 @@
 import copy
 import os
 import pickle
+import time
 import types
 import warnings
 
@@ -72,6 +73,10 @@ class RayMeshIntersectorTest(ServerTest):
             self.ray.intersects_any(**self.arguments)
         self.assertEqual(len(self.client.scenes()), count + 1)
         del self.ray
+        for _ in range(1000):  # it is deleted by another thread
+            if len(self.client.scenes()) == count:
+                break
+            time.sleep(0.01)
         self.assertEqual(len(self.client.scenes()), count)
 
     def test_pickles_and_copies(self):

@@ -1,4 +1,4 @@
-"""Ray queries and closest points on scenes of a Sightline server, with NumPy arrays.
+"""Ray queries, closest points and insides on scenes of a Sightline server, with NumPy arrays.
 
     import sightline
 
@@ -8,8 +8,8 @@
     hits.t, hits.node, hits.primitive, hits.position
     scene.closest([[0.2, 0.1, 5]]).distance
 
-sightline.aio has the same for asyncio. sightline.trimesh_ray and sightline.open3d_t have classes for programs that were
-written for trimesh and Open3D.
+sightline.aio has the same for asyncio. sightline.trimesh_ray, sightline.trimesh_proximity and sightline.open3d_t have
+classes for programs that were written for trimesh and Open3D.
 """
 
 from . import errors, updates

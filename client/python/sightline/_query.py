@@ -7,7 +7,7 @@ from typing import Any, Iterable, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from . import _proto
+from . import _proto, _sides
 
 
 class Column(NamedTuple):
@@ -34,6 +34,9 @@ COLUMNS = {
     "offset": _column("OFFSET", "<u4"),
     "position": _column("POSITION", "<f8", 3),
     "name": _column("NAME", "<u4"),  # a row of the answer's names
+    "signed": _column("SIGNED", "<f8"),
+    "inside": _column("INSIDE", "u1"),
+    "votes": _column("VOTES", "u1"),
 }
 NAME_OF = {column.number: name for name, column in COLUMNS.items()}
 MOST_LISTED = 16384  # hits of a ray, in an answer
@@ -91,9 +94,11 @@ class Query(NamedTuple):
 
 def describe(form: Form, scene: str, kind: str, fields: "Optional[Iterable[str]]", build: "Optional[str]",
              cull: "Optional[str]", under: int, exclude: "Iterable[int]", max_hits: int, at_least: "Optional[str]",
-             revision: "Optional[int]", time_budget: "Optional[float]" = None, allow_partial: bool = False) -> Query:
-    """`cull` is None for points. ValueError: an unknown word, a field that the kind does not have, for points a max_hits
-    above what an answer lists, or a time budget that is not above 0."""
+             revision: "Optional[int]", time_budget: "Optional[float]" = None, allow_partial: bool = False,
+             side: str = "parity", side_rays: int = 1) -> Query:
+    """`cull` is None for points, and the sides are those of points. ValueError: an unknown word, a field that the kind
+    does not have, for points a max_hits above what an answer lists, sides that the server would refuse, or a time budget
+    that is not above 0."""
     if kind not in _ALWAYS:
         raise ValueError(f"kind is {_words(_ALWAYS)}, not {kind!r}")
     if build not in _BUILD:
@@ -114,8 +119,10 @@ def describe(form: Form, scene: str, kind: str, fields: "Optional[Iterable[str]]
     most = max_hits or None
     hidden = () if "t" in named or kind != "all" or (most or MOST_LISTED + 1) <= MOST_LISTED else ("t",)
     columns = tuple(dict.fromkeys((*_ALWAYS[kind], *named, *hidden)))
-    if kind == "closest" and "t" not in columns:
-        columns = (*columns, *(() if "hit" in columns else ("hit",)))  # it tells hits, misses and invalid rays apart
+    if kind == "closest":
+        columns = _sides.telling(columns)
+    if form is POINTS:
+        _sides.ask(request, columns, side, side_rays)
     request.fields.extend(COLUMNS[name].number for name in columns)
     set_consistency(request, at_least, revision)
     if time_budget is not None:
@@ -129,7 +136,8 @@ def _named(form: Form, kind: str, fields: "Optional[Iterable[str]]") -> "Tuple[s
     """The columns that are asked for, by the names that they have here."""
     if fields is None:
         return form.default if kind in ("closest", "all") else ()
-    words = {form.t if name == "t" else name: name for name in _ALLOWED[kind]}
+    allowed = _ALLOWED[kind].union(_sides.FIELDS if form is POINTS and kind == "closest" else ())
+    words = {form.t if name == "t" else name: name for name in allowed}
     asked = [fields] if isinstance(fields, str) else list(fields)
     for name in asked:
         if name not in words:

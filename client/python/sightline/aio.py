@@ -198,6 +198,14 @@ class Scene:
         """The nearest faces of each batch of an iterator or an asynchronous iterator, with a few batches in memory."""
         return Results(self._threads, self._scene.closest(_iterator_of(batches), max_distance, **options))
 
+    async def contains(self, points: Any, **options: Any) -> Any:
+        """Whether points are inside, as of sightline.Scene.contains."""
+        return await self._threads.run(self._scene.contains, points, **options)
+
+    def contains_batches(self, batches: Any, **options: Any) -> Results:
+        """The same for each batch of an iterator or an asynchronous iterator, with a few batches in memory."""
+        return Results(self._threads, self._scene.contains(_iterator_of(batches), **options))
+
     def watch(self, start: Optional[int] = None) -> Results:
         """Changes, as of sightline.Scene.watch."""
         return Results(self._threads, self._scene.watch(start))

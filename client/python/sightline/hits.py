@@ -145,7 +145,10 @@ class Hits(_Answer):
         if "count" in self._columns:
             count = self._columns["count"]
             return np.where(count == INVALID_COUNT, INVALID, np.where(count == UNANSWERED_COUNT, UNANSWERED, count > 0))
-        t = self._column("t")
+        return self._status_of(self._column("t"))
+
+    @staticmethod
+    def _status_of(t: np.ndarray) -> np.ndarray:
         return np.where(np.isnan(t), INVALID, np.where(t == -np.inf, UNANSWERED, np.isfinite(t)))
 
     @property
@@ -172,12 +175,15 @@ class Hits(_Answer):
         import pandas
 
         table = self._table()
-        for name in ("count", "work"):
-            if name in self._columns:
-                table[name] = self._columns[name]
-        table["hit"] = self.hit.reshape(-1)
-        index = pandas.RangeIndex(len(table["hit"]), name=self._ROW)
+        for name in ("count", "work", "signed", "inside", "votes", "hit"):
+            if name in self._columns or (name == "hit" and self._tells_hits()):
+                table[name] = getattr(self, name).reshape(-1)
+        index = pandas.RangeIndex(len(next(iter(table.values()))), name=self._ROW)
         return pandas.DataFrame(table, index=index)
+
+    def _tells_hits(self) -> bool:
+        """Whether a column says what is hit: of points one may ask for sides alone."""
+        return True
 
 
 class AllHits(_Answer):

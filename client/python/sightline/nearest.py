@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .hits import AllHits, Hits
+from ._sides import FIELDS
+from .hits import INVALID, UNANSWERED, AllHits, Hits
 
 
 class Nearest(Hits):
@@ -23,6 +24,41 @@ class Nearest(Hits):
     def position(self) -> np.ndarray:
         """float64 (..., 3): the point of the face that is nearest; NaN where there is no face."""
         return self._shaped(self._column("position"))
+
+    @property
+    def signed(self) -> np.ndarray:
+        """float64: the distance, negative inside; 0 has no sign; +inf where no face is within max_distance (`inside` tells
+        the side there, too), an invalid point NaN, an unanswered one -inf."""
+        return self._shaped(self._column("signed"))
+
+    @property
+    def inside(self) -> np.ndarray:
+        """bool: whether the point is inside, whatever max_distance is; an invalid or unanswered one is not, and `invalid`
+        and `unanswered` name it."""
+        return self._shaped(self._column("inside") == 1)
+
+    @property
+    def votes(self) -> np.ndarray:
+        """uint8: of side_rays, those that say inside. Neither 0 nor all of them: the surface has a hole there."""
+        return self._shaped(self._column("votes"))
+
+    @property
+    def hit(self) -> np.ndarray:
+        """bool: whether a face is within max_distance."""
+        if not self._tells_hits():
+            raise AttributeError("hit was not asked for: name it in fields beside inside and votes")
+        return super().hit
+
+    def _status(self) -> np.ndarray:
+        if "hit" not in self._columns and "signed" in self._columns:
+            return self._status_of(self._columns["signed"])
+        if not self._tells_hits():
+            inside = self._columns["inside"]
+            return np.where((inside == INVALID) | (inside == UNANSWERED), inside, 0)
+        return super()._status()
+
+    def _tells_hits(self) -> bool:
+        return "signed" in self._columns or not set(self._columns) <= set(FIELDS)
 
 
 class AllNearest(AllHits):

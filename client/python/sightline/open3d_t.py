@@ -11,6 +11,7 @@ import numpy as np
 
 from ._meshes_of import OwnScene
 from ._pinhole import intrinsic_rays, look_at
+from ._sides import check_rays
 from .client import Client
 from .hits import Hits
 
@@ -76,16 +77,6 @@ class RaycastingScene:
                 "t_hit": wrap(hits.t.astype(np.float32)), "geometry_ids": wrap(self._geometry(hits.node)),
                 "primitive_ids": wrap(hits.primitive), "primitive_uvs": wrap(hits.uv)}
 
-    def compute_occupancy(self, query_points: Any, nthreads: int = 0, nsamples: int = 1) -> Any:
-        """float32 (...): 1 for points (..., 3) inside the closed meshes, else 0. nsamples, odd: of so many
-        rays the majority counts, which helps where meshes have holes."""
-        if nsamples < 1 or nsamples % 2 != 1:
-            raise ValueError(f"nsamples is odd, not {nsamples}")
-        points = np.asarray(_array(query_points))
-        hits = self._own.scene.cast(origins=points[..., None, :], directions=_probes(nsamples), kind="count")
-        odd = ((hits.count % 2 == 1) & ~hits.invalid).sum(axis=-1)
-        return _wrapper(query_points)((odd * 2 > nsamples).astype(np.float32))
-
     @staticmethod
     def create_rays_pinhole(*arguments: Any, **named: Any) -> Any:
         """float32 (height, width, 6), rays through the middles of pixels, row by row. Two forms:
@@ -116,20 +107,24 @@ class RaycastingScene:
         with np.errstate(over="ignore"):
             return _wrapper(query_points)(near.distance.astype(np.float32))
 
-    def compute_signed_distance(self, *_: Any, **__: Any) -> Any:
-        """Raises NotImplementedError."""
-        raise NotImplementedError("compute_signed_distance: Sightline has no signed distances; compute_distance and "
-                                  "compute_occupancy are there")
+    def compute_signed_distance(self, query_points: Any, nthreads: int = 0, nsamples: int = 1) -> Any:
+        """float32 (...): the distance of points (..., 3) from the surface, negative inside the closed meshes; +inf where
+        there is no surface, NaN of a point that is not finite. nsamples, odd, at most 63: of so many rays the majority
+        tells the inside, which helps where meshes have holes. Errors: ValueError, another number of them."""
+        near = self._own.scene.closest(_array(query_points), fields=("signed",), side_rays=check_rays(nsamples, "nsamples"))
+        with np.errstate(over="ignore"):
+            return _wrapper(query_points)(near.signed.astype(np.float32))
+
+    def compute_occupancy(self, query_points: Any, nthreads: int = 0, nsamples: int = 1) -> Any:
+        """float32 (...): 1 for points (..., 3) inside the closed meshes, else 0, also for a point that is not finite.
+        nsamples, and errors: as of compute_signed_distance()."""
+        inside = self._own.scene.contains(_array(query_points), side_rays=check_rays(nsamples, "nsamples"))
+        return _wrapper(query_points)(inside.astype(np.float32))
 
     def _geometry(self, node: np.ndarray) -> np.ndarray:
         """Geometry ids of nodes."""
         known = np.array(self._nodes, np.uint64)
         return np.where(node == 0, _INVALID_ID, np.searchsorted(known, node)).astype(np.uint32)
-
-
-def _probes(count: int) -> np.ndarray:
-    """float32 (count, 3): directions of rays for inside tests, always the same."""
-    return np.random.default_rng(count).standard_normal((count, 3)).astype(np.float32)
 
 
 def _or_invalid(hits: Hits) -> np.ndarray:

@@ -1,29 +1,22 @@
-"""A scene: its rays, its closest points, its nodes, its revisions."""
+"""A scene: its nodes, its revisions, and what it answers (queries.py)."""
 
 from __future__ import annotations
 
 import dataclasses
-import functools
 import math
-from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Optional, Tuple
 
 import numpy as np
 
 from . import _proto, _query, updates
-from ._caster import Caster
 from ._connection import Connection
 from ._lattice import Placement
-from ._precision import warn_of_origins, warn_of_points
-from ._progress import reporter
 from .batch import Batch, apply
 from .hierarchy import add_hierarchy, is_hierarchy
-from .hits import AllHits, Hits
 from .meshes import as_mesh, upload
 from .nodes import Node, patches, translation
-from .nearest import AllNearest, Nearest
 from .picture import Picture, render
-from .points import PointGrid, as_points, check_bounds
-from .rays import as_rays
+from .queries import AnyNode, Queries
 from .update_stream import UpdateStream
 from .watch import Change, watch
 
@@ -31,7 +24,6 @@ if TYPE_CHECKING:
     from .client import Client
 
 _MOST_NODES = 512  # in one BatchGetNodes
-AnyNode = Union[Node, int]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -65,7 +57,7 @@ class SceneInfo:
                    up_axis=(None, "y", "z")[scene.up_axis], bounds=bounds, read=not scene.unread, **counts)
 
 
-class Scene:
+class Scene(Queries):
     """Threads: any, but a batch belongs to the thread that opened it. Every call may raise NotFound, and what
     Client says."""
 
@@ -89,99 +81,6 @@ class Scene:
     def delete(self) -> None:
         """Deletes the scene with all its nodes."""
         self.client.delete_scene(self.name)
-
-    # ---- rays and points
-
-    def cast(self, rays: Any = None, *, origins: Any = None, directions: Any = None, tmin: Any = None,
-             tmax: Any = None, masks: Any = None, kind: str = "closest", fields: Optional[Iterable[str]] = None,
-             build: Optional[str] = None, cull: Optional[str] = None, under: AnyNode = 0,
-             exclude: Iterable[AnyNode] = (), max_hits: int = 0, at_least: Optional[str] = None,
-             revision: Optional[int] = None, timeout: Optional[float] = None,
-             progress: Union[bool, Callable[[int, Optional[int]], Any]] = False,
-             time_budget: Optional[float] = None, allow_partial: bool = False) -> Any:
-        """What rays hit.
-
-        rays: real (..., 6), ox oy oz dx dy dz, or (..., 8), and tmin tmax; or origins and directions (..., 3), and
-        tmin, tmax, masks (...), which are broadcast to one leading shape. float32 is sent as it is, all else as float64.
-        Directions have any length but zero; t counts in it; tmin and tmax are closed bounds. Or an iterator of such
-        arrays (or of sightline.Rays): the answer is then an iterator of their hits, all at one revision, and only a few
-        batches are in memory; the batches are taken by another thread.
-
-        kind: "closest", "any" (only whether there is a hit), "count" (of distinct (node, primitive)), "all".
-        fields: of t node primitive uv normal hit work position name; None: the first five for closest and all. Hits with
-        t have positions, and those with node have names, also where these are not named; named, the server sends them.
-        build: trees to grow: "lazy" (where rays enter), "full", "none", "built-only"; None: as the server is set.
-        cull: "back" or "front", hits that do not count. under: only this node and those under it exist; exclude: these
-        and those under them do not. max_hits: for "all", the nearest of a ray; 0: all, however many they are.
-        at_least: a token, of hits or of an update, that the answer must not be older than; revision: answer at it.
-        time_budget: seconds for the cast on the server; rays without an answer by then are marked (`unanswered`), and
-        casting them again goes on from there, since what was built stays. allow_partial: if one of several servers that
-        share the scene is lost, rays that need it are marked likewise, and the cast does not fail.
-        timeout: seconds. progress: True (a bar by tqdm, if installed) or a function of (done, total).
-
-        Returns Hits, or AllHits for "all", with the leading shape of the rays. Errors: TypeError, ValueError (rays or
-        words of another form), OutOfRange (the revision is not kept), DeadlineExceeded, ResourceExhausted (the server
-        has too much work, also after a minute of attempts), Unavailable (after some attempts). A ray that is not finite or has no direction is answered
-        as invalid, and fails nothing. Warnings: PrecisionWarning, origins are float32 and so far out that float32 does not
-        hold them well.
-        """
-        query = _query.describe(_query.RAYS, self.name, kind, fields, build, cull, updates.ids([under])[0],
-                                updates.ids(exclude), max_hits, at_least, revision, time_budget, allow_partial)
-        caster = self._caster(query, timeout, warn_of_origins)
-        if hasattr(rays, "__next__"):
-            return self._cast_iterator(caster, map(as_rays, rays), progress, "rays")
-        batch = as_rays(rays, origins, directions, tmin, tmax, masks)
-        with reporter(progress, batch.count) as report:
-            return caster.cast(batch, report)
-
-    def closest(self, points: Any, max_distance: Any = None, *, masks: Any = None, kind: str = "closest",
-                fields: Optional[Iterable[str]] = None, build: Optional[str] = None, under: AnyNode = 0,
-                exclude: Iterable[AnyNode] = (), max_hits: int = 0, at_least: Optional[str] = None,
-                revision: Optional[int] = None, timeout: Optional[float] = None,
-                progress: Union[bool, Callable[[int, Optional[int]], Any]] = False,
-                time_budget: Optional[float] = None, allow_partial: bool = False) -> Any:
-        """The faces that are nearest to points.
-
-        points: real (..., 3), with which max_distance and masks (...) are broadcast; float32 is sent as it is, all else
-        as float64. max_distance, in the scene's units: a face at exactly this distance counts, and none does below 0;
-        None: any distance. Or a sightline.PointGrid, whose points the server makes. Or an iterator of such arrays (or
-        of sightline.Points): the answer is then an iterator, as of cast(), and max_distance and masks go with each
-        array.
-
-        kind: "closest" (the face with the least (distance, node, primitive)), "any" (only whether a face is within
-        max_distance), "count" (how many are), "all" (each of them, near to far). max_hits: for "all", the nearest faces
-        of a point, at most 16,384: k of them are its k nearest; 0: all within max_distance, up to 16,384, and a warning
-        says how many points have more. fields: of distance node primitive uv normal position hit work name; None: the
-        first six for closest and all. Answers with node have names, also where these are not named; positions must be.
-        build, under, exclude, at_least, revision, timeout, progress, time_budget, allow_partial: as for cast().
-
-        The distance is that from a point to a face as it stands in the scene, rounded once to double; a face without
-        area is the segment or the point that it is. Returns Nearest, or AllNearest for "all", with the leading shape of
-        the points. Errors: as of cast(), and FailedPrecondition (the server shares its scenes with others),
-        Unimplemented (it is of a version without this query). A point or a max_distance that is NaN, or a point that is
-        infinite, is answered as invalid, and fails nothing. Warnings: PrecisionWarning, points are float32 and so far
-        out that float32 does not hold them well.
-        """
-        query = _query.describe(_query.POINTS, self.name, kind, fields, build, None, updates.ids([under])[0],
-                                updates.ids(exclude), max_hits, at_least, revision, time_budget, allow_partial)
-        caster = self._caster(query, timeout, warn_of_points)
-        if hasattr(points, "__next__"):
-            batches = (as_points(part, max_distance, masks) for part in points)
-            return self._cast_iterator(caster, batches, progress, "points")
-        if isinstance(points, PointGrid):
-            check_bounds(points, max_distance, masks)
-        batch = points if isinstance(points, PointGrid) else as_points(points, max_distance, masks)
-        with reporter(progress, batch.count, "points") as report:
-            return caster.cast(batch, report)
-
-    def _caster(self, query: Any, timeout: Optional[float], check: "Callable[[Scene, Any, str], None]") -> Caster:
-        return Caster(self._connection, self.client.max_rays_per_request(), query, timeout, self._names,
-                      functools.partial(check, self))
-
-    def _cast_iterator(self, caster: Caster, batches: Iterator[Any], progress: Any,
-                       unit: str) -> "Iterator[Union[Hits, AllHits, Nearest, AllNearest]]":
-        with reporter(progress, None, unit) as report:
-            yield from caster.cast_batches(batches, report)
 
     def render(self, size: Any = (640, 480), **options: Any) -> Picture:
         """A picture, width x height, of closest hits shaded by their normals; a notebook displays it.

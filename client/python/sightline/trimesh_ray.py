@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import hashlib
 from typing import Any, Optional, Tuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._meshes_of import OwnScene
+from ._surface import OfMesh, points_of, side_rays
 from ._warnings import warn
 from .client import Client
 from .scene import Scene
 
-# For inside tests: no axis, no diagonal. The second and third vote where a mesh is not closed.
-_PROBES = np.array([[0.5377, 0.2119, 0.8161], [-0.7417, 0.5693, -0.3545], [0.1913, -0.9041, 0.3821]])
 
-
-class RayMeshIntersector:
+class RayMeshIntersector(OfMesh):
     """Ray queries on one mesh, an object with `vertices` (v, 3) and `faces` (f, 3) such as trimesh.Trimesh.
 
     The mesh goes to a server with the first query, and again after it has changed. client: default, the server of
@@ -26,31 +22,14 @@ class RayMeshIntersector:
 
     def __init__(self, geometry: Any = None, scale_to_box: bool = True, *, mesh: Any = None,
                  client: Optional[Client] = None):
-        self.mesh = geometry if geometry is not None else mesh
-        if self.mesh is None:
-            raise TypeError("a mesh is needed")
-        self._client = client
-        self._own: Optional[OwnScene] = None
-        self._key: Any = None
-
-    def __getstate__(self) -> Any:
-        return {"mesh": self.mesh}
-
-    def __setstate__(self, state: Any) -> None:
-        self.__init__(state["mesh"])  # type: ignore[misc]
-
-    def __deepcopy__(self, *_: Any) -> "RayMeshIntersector":
-        return self.__copy__()
-
-    def __copy__(self, *_: Any) -> "RayMeshIntersector":
-        return RayMeshIntersector(self.mesh, client=self._client)
+        super().__init__(geometry if geometry is not None else mesh, client)
 
     def intersects_id(self, ray_origins: ArrayLike, ray_directions: ArrayLike, multiple_hits: bool = True,
                       max_hits: Optional[int] = 100, return_locations: bool = False) -> Tuple[np.ndarray, ...]:
         """The faces that rays hit, by ray, then near to far: index_tri (m), index_ray (m), both int64, and locations
         (m, 3) float64 if `return_locations`. Without `multiple_hits` only the first of each ray. A warning says if a ray
         has more than `max_hits`; None: all are listed."""
-        origins, directions = _rays(ray_origins, ray_directions)
+        origins, directions = rays_of(ray_origins, ray_directions)
         if multiple_hits:
             hits = self._scene().cast(origins=origins, directions=directions, kind="all", fields=("t", "primitive"),
                                       max_hits=max_hits or 0)
@@ -72,52 +51,26 @@ class RayMeshIntersector:
 
     def intersects_first(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> np.ndarray:
         """int64 (n): the first face that each ray hits, or -1."""
-        origins, directions = _rays(ray_origins, ray_directions)
+        origins, directions = rays_of(ray_origins, ray_directions)
         hits = self._scene().cast(origins=origins, directions=directions, fields=("t", "primitive"))
         return np.where(hits.hit, hits.primitive.astype(np.int64), -1)
 
     def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> np.ndarray:
         """bool (n): whether each ray hits."""
-        origins, directions = _rays(ray_origins, ray_directions)
+        origins, directions = rays_of(ray_origins, ray_directions)
         return self._scene().cast(origins=origins, directions=directions, kind="any").hit
 
     def contains_points(self, points: ArrayLike) -> np.ndarray:
         """bool (n): whether each point (n, 3) is inside the mesh: a ray from it crosses an odd number of faces. Where
         the mesh is not closed, by the majority of three rays. A point on the surface may get either answer."""
-        places = np.asarray(points)
-        if places.ndim != 2 or places.shape[1] != 3:
-            raise ValueError(f"points have the shape (n, 3), not {places.shape}")
-        probes = _PROBES[:1] if getattr(self.mesh, "is_watertight", False) else _PROBES
-        hits = self._scene().cast(origins=places[:, None], directions=probes, kind="count")
-        odd = (hits.count % 2 == 1) & ~hits.invalid
-        return odd.sum(axis=1) * 2 > len(probes)
+        return self._scene().contains(points_of(points), side_rays=side_rays(self.mesh))
 
     def _scene(self) -> Scene:
         """The scene of the mesh as it is now."""
-        key = _content(self.mesh)
-        if self._own is None or key != self._key:
-            own = OwnScene(self._client)
-            if len(self.mesh.faces):
-                own.add(self.mesh.vertices, self.mesh.faces)
-            if self._own is not None:
-                self._own.close()
-            self._own, self._key = own, key
-        return self._own.scene
+        return self._surface().scene
 
 
-def _content(mesh: Any) -> Any:
-    """What changes with the mesh. Meshes of trimesh have a hash of their content, which they keep up to date."""
-    if type(mesh).__module__.partition(".")[0] == "trimesh":
-        return hash(mesh)
-    digest = hashlib.blake2b()
-    for array in (mesh.vertices, mesh.faces):
-        array = np.ascontiguousarray(array)
-        digest.update(repr((array.shape, array.dtype.str)).encode())
-        digest.update(array.tobytes())
-    return digest.digest()
-
-
-def _rays(ray_origins: ArrayLike, ray_directions: ArrayLike) -> Tuple[np.ndarray, np.ndarray]:
+def rays_of(ray_origins: ArrayLike, ray_directions: ArrayLike) -> Tuple[np.ndarray, np.ndarray]:
     origins, directions = np.asarray(ray_origins), np.asarray(ray_directions)
     if origins.shape != directions.shape or origins.ndim != 2 or origins.shape[1] != 3:
         raise ValueError(f"origins and directions have one shape (n, 3), not {origins.shape} and {directions.shape}")

@@ -17,8 +17,8 @@ double largest_difference(const Vec3dd& a, const Vec3dd& b) { return max_norm(hi
 class Pseudonormal : public testing::TestWithParam<ClosestFamily> {};
 
 TEST_P(Pseudonormal, InDoubleDoublesIsThatInIntegers) {
-  tests::Random random(3);
-  for (int i = 0; i < 1'000; ++i) {
+  tests::Random random(99);
+  for (int i = 0; i < 6'000; ++i) {
     const ClosestCase c = GetParam().make(random);
     const double distance = c.distance();
     if (distance == 0 || std::isinf(distance)) continue;
