@@ -52,7 +52,8 @@ class SlicePainter {
   }
 
   /// The largest step to a neighbour: distances have a kink where they are 0, or where two faces
-  /// are equally near, so that a mean of steps would be none.
+  /// are equally near, so that a mean of steps would be none. A larger step than true distances
+  /// have is one of signs alone, at a hole, and no surface.
   double slope_at(std::uint32_t x, std::uint32_t y) const {
     const double here = at(x, y);
     double slope = 0;
@@ -64,7 +65,7 @@ class SlicePainter {
     if (y > 0) look(x, y - 1);
     if (x + 1 < slice_.size.width) look(x + 1, y);
     if (y + 1 < slice_.size.height) look(x, y + 1);
-    return slope;
+    return std::min(slope, slice_.pixel);
   }
 
   /// The multiple of the step that is nearest; of 0, which has the outline, none.
@@ -91,7 +92,10 @@ Result<Slice> measure_slice(const Client& client, const std::string& scene, cons
                             PictureSize size, bool is_signed, const CastOptions& options,
                             const std::function<void(double)>& progress) {
   const PointGrid grid = pixels_of(frame, size);
-  Slice slice{size, std::vector<double>(std::size_t{size.width} * size.height), {}};
+  Slice slice{size,
+              std::max(length(grid.across), length(grid.down)),
+              std::vector<double>(std::size_t{size.width} * size.height),
+              {}};
   const HitSink sink = [&](std::uint64_t first, std::size_t count, const HitView& hits) {
     const auto distances = is_signed ? hits.signed_distance : hits.t;
     std::copy(distances.begin(), distances.end(),
@@ -122,8 +126,10 @@ double range_of(std::span<const double> distances) {
 Rgb side_colour(double s) {
   constexpr double kBlue = 255, kRed = 30;
   const double size = std::min(std::abs(s), 1.0);
-  // Near 0 the hue grows faster than the darkness, so that thin walls show their side.
-  return from_oklch(std::lerp(1.0, 0.42, size), 0.19 * std::sqrt(size), s < 0 ? kBlue : kRed);
+  const double darkness = 0.58 * std::sqrt(size);
+  // Within sRGB for both hues: colours that lost chroma to fit would show as bands.
+  const double chroma = std::min(0.16, 0.45 * darkness);
+  return from_oklch(1 - darkness, chroma, s < 0 ? kBlue : kRed);
 }
 
 std::vector<std::uint8_t> paint_slice(const Slice& slice, const SliceStyle& style) {
@@ -138,10 +144,7 @@ std::vector<std::uint8_t> paint_slice(const Slice& slice, const SliceStyle& styl
   return rgb;
 }
 
-double least_iso(const SliceFrame& frame, PictureSize size) {
-  return kLeastIsoPixels *
-         std::max(length(frame.across) / size.width, length(frame.down) / size.height);
-}
+double least_iso(const Slice& slice) { return kLeastIsoPixels * slice.pixel; }
 
 Scale slice_scale(const SliceStyle& style, double meters_per_unit) {
   Scale scale = depth_scale({style.is_signed ? -style.range : 0, style.range}, meters_per_unit);

@@ -19,6 +19,8 @@ namespace sightline::client::cli::picture {
 /// Distances, row by row from the top.
 struct Slice {
   PictureSize size;
+  /// The larger step from a pixel to the next. True distances differ by no more than it.
+  double pixel = 0;
   std::vector<double> distances;
   CastReport report;
 };
@@ -39,17 +41,16 @@ struct SliceStyle {
 /// A distance that is larger than nearly all of the slice, for SliceStyle::range.
 double range_of(std::span<const double> distances);
 
-/// White at 0, ever darker blue to -1 and red to 1, so that lightness alone tells how far, and the
-/// hue only the side.
+/// White at 0, ever darker blue to -1 and red to 1: lightness alone tells how far, and hue the
+/// side. Both change most near 0, so that thin walls show their side.
 Rgb side_colour(double s);
 
 /// sRGB, (height, width, 3): colours by distance, black at 0, and lines at the multiples of
 /// SliceStyle::iso. Points without a distance are grey.
 std::vector<std::uint8_t> paint_slice(const Slice& slice, const SliceStyle& style);
 
-/// The least multiple between iso lines that can be told from each other in any direction: a few
-/// pixels of the frame.
-double least_iso(const SliceFrame& frame, PictureSize size);
+/// The least distance between iso lines that can be told from each other: a few pixels.
+double least_iso(const Slice& slice);
 
 /// The colours of a style, in the unit that depth_scale() takes.
 Scale slice_scale(const SliceStyle& style, double meters_per_unit);

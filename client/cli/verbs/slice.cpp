@@ -174,7 +174,7 @@ ExitCode run(const Session& session, const SliceArguments& arguments) {
                             .range = arguments.range.value_or(0),
                             .iso = arguments.iso};
   if (!arguments.range) style.range = picture::range_of(slice->distances);
-  const double least = picture::least_iso(frame, arguments.size);
+  const double least = picture::least_iso(*slice);
   if (style.iso && *style.iso < least) {
     warn_of_dense_lines(arguments, least);
     style.iso.reset();

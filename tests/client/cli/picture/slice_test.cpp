@@ -19,7 +19,7 @@ using Pixel = std::array<int, 3>;
 
 // Distances from -100 to 100, one more from each pixel to the next.
 Slice ramp() {
-  Slice slice{{kWidth, 3}, {}, {}};
+  Slice slice{{kWidth, 3}, 1, {}, {}};
   for (std::uint32_t y = 0; y < 3; ++y) {
     for (std::uint32_t x = 0; x < kWidth; ++x) slice.distances.push_back(x - 100.0);
   }
@@ -66,7 +66,7 @@ TEST(Slice, WithoutSidesColoursAreThoseOfOutside) {
 }
 
 TEST(Slice, NumbersThatAreNotFiniteHaveColours) {
-  Slice slice{{3, 1}, {std::nan(""), std::numeric_limits<double>::infinity(), 9}, {}};
+  Slice slice{{3, 1}, 1, {std::nan(""), std::numeric_limits<double>::infinity(), 9}, {}};
   const auto rgb = paint_slice(slice, {.range = 9, .iso = 2});
   EXPECT_EQ(rgb[0], rgb[2]) << "grey";
   EXPECT_EQ(rgb[3], rgb[6]) << "as what is farther than the range";
@@ -114,8 +114,14 @@ TEST(Slice, TheScaleIsThatOfTheColours) {
   }
 }
 
-TEST(Slice, LinesKeepAFewPixelsBetweenThem) {
-  EXPECT_DOUBLE_EQ(least_iso({{}, {100, 0, 0}, {0, -50, 0}}, {100, 100}), 4);
+TEST(Slice, LinesKeepAFewPixelsBetweenThem) { EXPECT_EQ(least_iso({{100, 100}, 0.5, {}, {}}), 2); }
+
+TEST(Slice, ASignThatTurnsFarFromASurfaceIsNoSurface) {
+  Slice slice = ramp();
+  slice.distances[kWidth + 150] = -50;
+  const auto rgb = paint_slice(slice, {.range = 100});
+  EXPECT_GT(pixel(rgb, 150)[2], pixel(rgb, 150)[0]) << "blue, not black";
+  EXPECT_EQ(pixel(rgb, 149), pixel(paint_slice(ramp(), {.range = 100}), 149));
 }
 
 }  // namespace
