@@ -116,23 +116,48 @@ class Point {
         packet_.cancelled->load(std::memory_order_relaxed))
       packet_.stopped = true;
     const FloatPoints& near = packet_.near;
+    const Floats unit = Floats::set(near.unit[lane_]);
+    const auto column = [&](std::size_t axis) {
+      return Floats::load_unaligned(block.x + axis * block.vertices);
+    };
+    const auto relative = [&](std::size_t axis) {
+      return ((column(axis) - Floats::set(near.high[axis][lane_])) -
+              Floats::set(near.low[axis][lane_])) *
+             unit;
+    };
+    const Vectors16 seen{relative(0), relative(1), relative(2)};
+    const Floats squared = dot(seen, seen);
+    visit_triangles(words, seen, squared);
+  }
+
+ private:
+  /// Tests the triangles of a block whose vertices are seen so, relative to the point and in its
+  /// units.
+  HWY_INLINE void visit_triangles(const std::uint32_t* words, const Vectors16& seen,
+                                  const Floats& squared) {
+    const blocks::Block block(words);
+    const FloatPoints& near = packet_.near;
     const Floats unit = Floats::set(near.unit[lane_]), per_unit = Floats::set(near.per_unit[lane_]);
+    const auto column = [&](std::size_t axis) {
+      return Floats::load_unaligned(block.x + axis * block.vertices) * unit;
+    };
+    const std::uint32_t vertices = (2u << (block.vertices - 1)) - 1;
+    const float size = std::sqrt(Floats::pick(vertices, squared, Floats::set(0)).greatest());
     std::array<GatheredAxis, 3> axes;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Floats vertices = Floats::load_unaligned(block.x + axis * block.vertices);
-      const Floats relative =
-          (vertices - Floats::set(near.high[axis][lane_])) - Floats::set(near.low[axis][lane_]);
-      axes[axis].set(vertices * unit, relative * unit);
-    }
-    std::array<Vectors16, 3> vertices, corners;
+    axes[0].set(column(0), seen.x);
+    axes[1].set(column(1), seen.y);
+    axes[2].set(column(2), seen.z);
+    std::array<Vectors16, 3> at;
+    std::array<Vectors16, 2> corners;
     for (std::size_t k = 0; k < 3; ++k) {
       const Gather of(block.corner(k));
-      vertices[k] = {axes[0].vertices(of), axes[1].vertices(of), axes[2].vertices(of)};
-      corners[k] = {axes[0].corners(of), axes[1].corners(of), axes[2].corners(of)};
+      at[k] = {axes[0].vertices(of), axes[1].vertices(of), axes[2].vertices(of)};
+      if (k < 2) corners[k] = {axes[0].corners(of), axes[1].corners(of), axes[2].corners(of)};
     }
-    Distances found = distances({corners[0], corners[1], corners[2], vertices[1] - vertices[0],
-                                 vertices[2] - vertices[0], vertices[2] - vertices[1]},
-                                mul_add(Floats::set(near.off[lane_]), unit, Floats::set(0x1p-60f)));
+    Distances found =
+        distances({corners[0], corners[1], at[1] - at[0], at[2] - at[0], at[2] - at[1]},
+                  Floats::set(size * (1 + 0x1p-10f) + 0x1p-60f),
+                  Floats::set(near.off[lane_] * near.unit[lane_] + 0x1p-59f));
     found.low = found.low * per_unit;
     found.high = found.high * per_unit;
     const std::uint32_t all = (2u << (block.triangles - 1)) - 1;
@@ -146,7 +171,6 @@ class Point {
     if (open != 0) take(words, found, open);
   }
 
- private:
   /// The numbers of the vertices of a block on one axis, as they are and relative to the point.
   class GatheredAxis {
    public:
@@ -182,8 +206,7 @@ class Point {
     if constexpr (kGoal == Goal::kNearest) {
       const float nearest =
           Floats::pick(open, found.high, Floats::set(std::numeric_limits<float>::max())).least();
-      const FloatPoints& near = packet_.near;
-      lower(nearest * near.spread * (1 + 0x1p-22f) + near.slack[lane_] * (1 + 0x1p-22f));
+      lower_by(nearest);
       alignas(64) std::array<float, 16> low;
       found.low.store(low.data());
       for (; open != 0; open &= open - 1) {
@@ -204,7 +227,13 @@ class Point {
     }
   }
 
-  /// Lowers the limit, as there is a face at this distance or before.
+  /// Lowers the limit, as there is a face at this distance in the frame, or before.
+  HWY_INLINE void lower_by(float nearest) {
+    const FloatPoints& near = packet_.near;
+    lower(nearest * near.spread * (1 + 0x1p-22f) + near.slack[lane_] * (1 + 0x1p-22f));
+  }
+
+  /// Lowers the limit to this.
   void lower(float high) {
     if (!(high < packet_.floats.high[lane_])) return;
     packet_.floats.high[lane_] = high;
