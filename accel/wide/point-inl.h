@@ -127,6 +127,10 @@ class Point {
     };
     const Vectors16 seen{relative(0), relative(1), relative(2)};
     const Floats squared = dot(seen, seen);
+    const std::uint32_t vertices = (2u << (block.vertices - 1)) - 1;
+    const std::size_t nearest = least_of(vertices, squared);
+    const Way way = way_to(block, nearest, seen, squared);
+    if (is_beyond(way, vertices)) return;
     visit_triangles(words, seen, squared);
   }
 
@@ -189,6 +193,47 @@ class Point {
     Floats vertices_, relative_;
     alignas(64) std::array<std::array<float, 16>, 2> stored_;
   };
+
+  /// The index of the least of these numbers.
+  static HWY_INLINE std::size_t least_of(std::uint32_t lanes, const Floats& x) {
+    const float least =
+        Floats::pick(lanes, x, Floats::set(std::numeric_limits<float>::infinity())).least();
+    const std::uint32_t equals = equal(x, Floats::set(least)) & lanes;
+    return static_cast<std::size_t>(std::countr_zero(equals == 0 ? 1u : equals));
+  }
+
+  /// The way from the point to a vertex of a block.
+  struct Way {
+    Floats along;             ///< How far the block's vertices are along the way, times its length.
+    float squared = 0;        ///< Its length, squared.
+    std::uint32_t ahead = 0;  ///< The vertices that are certainly less than 76 degrees aside.
+  };
+
+  HWY_INLINE Way way_to(const blocks::Block& block, std::size_t vertex, const Vectors16& seen,
+                        const Floats& squared) const {
+    const FloatPoints& near = packet_.near;
+    const auto relative = [&](float x, std::size_t axis) {
+      return ((x - near.high[axis][lane_]) - near.low[axis][lane_]) * near.unit[lane_];
+    };
+    const float x = relative(block.x[vertex], 0), y = relative(block.y[vertex], 1),
+                z = relative(block.z[vertex], 2);
+    const Floats along =
+        mul_add(seen.x, Floats::set(x), mul_add(seen.y, Floats::set(y), seen.z * Floats::set(z)));
+    const float length = x * x + y * y + z * z;
+    const Floats aside =
+        mul_add(squared, Floats::set(length * (0x1p-4f * (1 + 0x1p-17f))), Floats::set(0x1p-100f));
+    return {along, length, (along > Floats::set(0)) & (along * along > aside)};
+  }
+
+  /// Whether these vertices, and so the faces between them, certainly lie beyond the limit: behind
+  /// a plane across the way.
+  HWY_INLINE bool is_beyond(const Way& way, std::uint32_t vertices) const {
+    const FloatPoints& near = packet_.near;
+    const float limit = (packet_.floats.high[lane_] + near.off[lane_]) * near.unit[lane_];
+    const std::uint32_t beyond =
+        way.along * way.along > Floats::set(limit * limit * (way.squared * (1 + 0x1p-17f)));
+    return (beyond & way.ahead & vertices) == vertices;
+  }
 
   /// Fetches these children, of which the nearest is visited at once, and most others soon.
   static HWY_INLINE void prefetch(const kdtree::WideNode& node, std::uint32_t children) {
