@@ -62,6 +62,23 @@ class Point {
     lower((packet_.floats.high[other] + more) * (1 + 0x1p-21f));
   }
 
+  /// Limits the point by its distance from a vertex that it sees, as landmark() returns it.
+  void limit_by(const geometry::Vec3f& vertex) {
+    const FloatPoints& near = packet_.near;
+    float squared = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const float way = (vertex[axis] - near.high[axis][lane_]) - near.low[axis][lane_];
+      squared += way * way;
+    }
+    const float way = std::sqrt(squared) * (1 + 0x1p-20f) + near.off[lane_];
+    if (0x1p-40f < way && way < 0x1p+60f) lower_by(way);
+  }
+  /// A vertex of the block that has lowered the limit last; infinite if none has.
+  const geometry::Vec3f& landmark() const { return landmark_; }
+  static constexpr geometry::Vec3f nowhere() {
+    return {std::numeric_limits<float>::infinity(), 0, 0};
+  }
+
   void walk(Child root) {
     walk_tree(*this, {0, root});
     walked_.counters.steps += nodes_;
@@ -131,7 +148,11 @@ class Point {
     const std::size_t nearest = least_of(vertices, squared);
     const Way way = way_to(block, nearest, seen, squared);
     if (is_beyond(way, vertices)) return;
+    const float before = packet_.floats.high[lane_];
     visit_triangles(words, seen, squared);
+    // All points see a vertex if they see all faces.
+    if (packet_.placed.visible == nullptr && packet_.floats.high[lane_] < before)
+      landmark_ = block.vertex(nearest);
   }
 
  private:
@@ -292,6 +313,7 @@ class Point {
   std::array<Boxes, 3> at_, off_;
   std::uint64_t nodes_ = 0, triangles_ = 0;
   std::uint32_t blocks_ = 0;
+  geometry::Vec3f landmark_ = nowhere();
 };
 
 }  // namespace HWY_NAMESPACE
