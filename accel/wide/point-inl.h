@@ -149,7 +149,7 @@ class Point {
     const Way way = way_to(block, nearest, seen, squared);
     if (is_beyond(way, vertices)) return;
     const float before = packet_.floats.high[lane_];
-    visit_triangles(words, seen, squared);
+    if (!remember_corner(words, way, squared)) visit_triangles(words, seen, squared);
     // All points see a vertex if they see all faces.
     if (packet_.placed.visible == nullptr && packet_.floats.high[lane_] < before)
       landmark_ = block.vertex(nearest);
@@ -255,6 +255,44 @@ class Point {
         way.along * way.along > Floats::set(limit * limit * (way.squared * (1 + 0x1p-17f)));
     return (beyond & way.ahead & vertices) == vertices;
   }
+
+  /// Where a block is so far away that it is seen within a narrow cone around the way: its faces
+  /// are hardly nearer than planes across the way, so that these leave those around the nearest
+  /// vertex. Remembers them, unless they are many.
+  HWY_INLINE bool remember_corner(const std::uint32_t* words, const Way& way,
+                                  const Floats& squared) {
+    if (kGoal != Goal::kNearest || packet_.placed.visible != nullptr) return false;
+    const blocks::Block block(words);
+    const std::uint32_t vertices = (2u << (block.vertices - 1)) - 1;
+    const std::uint32_t in_cone =
+        way.along * way.along > squared * Floats::set(way.squared * (1 - kCone));
+    if ((in_cone & way.ahead & vertices) != vertices || !(way.squared > 0x1p-90f)) return false;
+    const FloatPoints& near = packet_.near;
+    const float per_unit = near.per_unit[lane_], off = near.off[lane_];
+    const float length = std::sqrt(way.squared);
+    lower_by(length * per_unit * (1 + 0x1p-20f) + off);
+    alignas(64) std::array<float, 16> stored;
+    if constexpr (Floats::kVectors > 1) way.along.store(stored.data());
+    const auto corner = [&](std::size_t k) {
+      return Gather(block.corner(k))(way.along, stored.data());
+    };
+    const Floats low = min(corner(0), min(corner(1), corner(2))) *
+                           Floats::set(per_unit / length * (1 - 0x1p-18f)) -
+                       Floats::set(off);
+    const std::uint32_t all = (2u << (block.triangles - 1)) - 1;
+    std::uint32_t open = all & ~(low > Floats::set(packet_.floats.high[lane_]));
+    if (std::popcount(open) > kFew) return false;
+    low.store(stored.data());
+    for (; open != 0; open &= open - 1) {
+      const auto i = static_cast<std::uint32_t>(std::countr_zero(open));
+      remember(packet_, lane_, words, i, stored[i]);
+    }
+    return true;
+  }
+  /// The square of the sine of the cone's angle, and the most faces: docs/decisions/0078 has what
+  /// others cost.
+  static constexpr float kCone = 0x1p-6f;
+  static constexpr int kFew = 6;
 
   /// Fetches these children, of which the nearest is visited at once, and most others soon.
   static HWY_INLINE void prefetch(const kdtree::WideNode& node, std::uint32_t children) {
