@@ -37,18 +37,17 @@ class BoundedSigns {
       corner_size_[i] = sizes(high(face.corner[i]), more);
       edge_size_[i] = sizes(high(face.edge[i]), 2 * more);
     }
-    // With an edge of length 0 it would be 0 by cancellation, which is not certain.
-    if (!has_length(0) || !has_length(1) || !has_length(2)) return;
-    normal_ = cross(edge_[2], edge_[0]);
-    normal_size_ = cross_sizes(edge_size_[2], edge_size_[0]);
   }
 
   Sign along(std::size_t corner, std::size_t edge) const {
     return sign(dot(corner_[corner], edge_[edge]), dot(corner_size_[corner], edge_size_[edge]));
   }
   Sign side(std::size_t i) const {
-    return sign(dot(cross(edge_[i], corner_[i]), normal_),
-                dot(cross_sizes(edge_size_[i], corner_size_[i]), normal_size_));
+    // With an edge of length 0 the normal would be 0 by cancellation, which is not certain.
+    if (!has_length(0) || !has_length(1) || !has_length(2)) return {};
+    return sign(dot(cross(edge_[i], corner_[i]), cross(edge_[2], edge_[0])),
+                dot(cross_sizes(edge_size_[i], corner_size_[i]),
+                    cross_sizes(edge_size_[2], edge_size_[0])));
   }
   bool has_length(std::size_t i) const { return edge_size_[i] != Vec3d{}; }
 
@@ -66,8 +65,6 @@ class BoundedSigns {
   double share_;
   std::array<Vec3<T>, 3> corner_, edge_;
   std::array<Vec3d, 3> corner_size_, edge_size_;
-  Vec3<T> normal_;
-  Vec3d normal_size_;
 };
 
 }  // namespace sightline::accel::geometry

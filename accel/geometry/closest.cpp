@@ -39,11 +39,8 @@ SquaredDistance squared_distance(const SeenFace& face, const Feature& feature) {
   return {height * height, dot(normal, normal), 0x1p-99 * thinness(face, normal) * reach(face)};
 }
 
-/// The distance, unless its last bit is in doubt.
-std::optional<double> computed_distance(const SeenFace& face) {
-  Feature feature = nearest_feature(BoundedSigns<double>(face, kSignShare, 0));
-  if (!feature.certain)
-    feature = nearest_feature(BoundedSigns<DoubleDouble>(face, kFineSignShare, 0));
+/// The distance of a feature, unless its last bit is in doubt.
+std::optional<double> rounded_distance(const SeenFace& face, const Feature& feature) {
   if (feature.part == Part::kUnknown) return std::nullopt;
   const SquaredDistance square = squared_distance(face, feature);
   if (square.numerator.high == 0 && feature.part == Part::kCorner && face.error == 0) return 0.0;
@@ -60,6 +57,35 @@ std::optional<double> computed_distance(const SeenFace& face) {
   // Both ends of the interval are rounded as its middle.
   if (d.high + (d.low - error) != d.high || d.high + (d.low + error) != d.high) return std::nullopt;
   return d.high;
+}
+
+/// The distance, unless its last bit is in doubt. Sets the feature that it is the distance of.
+std::optional<double> computed_distance(const Vec3d& p, const Matrix& matrix,
+                                        const Vertices& vertices, Feature& feature) {
+  SeenFace face;
+  if (!see(p, matrix, vertices, face)) return std::nullopt;
+  feature = nearest_feature(BoundedSigns<double>(face, kSignShare, 0));
+  if (!feature.certain)
+    feature = nearest_feature(BoundedSigns<DoubleDouble>(face, kFineSignShare, 0));
+  return rounded_distance(face, feature);
+}
+
+/// Does so where the matrix is the identity: most features are certain by the leading doubles, and
+/// then the rest of a few numbers is enough.
+std::optional<double> plain_distance(const Vec3d& p, const Matrix& matrix, const Vertices& vertices,
+                                     Feature& feature) {
+  SeenFace face;
+  if (!see_leading(p, vertices, face)) return std::nullopt;
+  feature = nearest_feature(BoundedSigns<double>(face, kSignShare, 0));
+  if (!feature.certain) {
+    see(p, matrix, vertices, face);
+    feature = nearest_feature(BoundedSigns<DoubleDouble>(face, kFineSignShare, 0));
+    return rounded_distance(face, feature);
+  }
+  see_corner(p, vertices, feature.index, face);
+  if (feature.part != Part::kCorner) see_edge(vertices, feature.index, face);
+  if (feature.part == Part::kInside) see_edge(vertices, 2, face);
+  return rounded_distance(face, feature);
 }
 
 /// Whether the nearest point and its weights are off by much less than they are rounded by.
@@ -110,13 +136,72 @@ std::optional<ClosestPoint> computed_point(const Vec3d& p, const Matrix& matrix,
 
 double distance(const Vec3d& p, const std::array<double, 12>& world_from_local, const Vec3f& a,
                 const Vec3f& b, const Vec3f& c) {
-  const Vec3d from = without_smallest(p);
+  return DistancesFrom(p, world_from_local).to(a, b, c);
+}
+
+DistancesFrom::DistancesFrom(const Vec3d& p, const Matrix& world_from_local)
+    : p_(without_smallest(p)), matrix_(world_from_local), is_plain_(is_identity(matrix_)) {}
+
+double DistancesFrom::to(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
   const Vertices vertices = {a, b, c};
-  SeenFace face;
-  if (see(from, world_from_local, vertices, face)) {
-    if (const std::optional<double> d = computed_distance(face)) return *d;
+  if (has_nearest(vertices)) return distance_;
+  Feature feature;
+  const std::optional<double> computed = is_plain_
+                                             ? plain_distance(p_, matrix_, vertices, feature)
+                                             : computed_distance(p_, matrix_, vertices, feature);
+  distance_ = computed ? *computed : exact_distance(p_, matrix_, vertices);
+  corners_ = 0;
+  if (is_plain_ && feature.certain && feature.part != Part::kInside) {
+    corners_ = feature.part == Part::kCorner ? 1 : 2;
+    nearest_ = {vertices[feature.index], vertices[corner_after(feature.index)]};
   }
-  return exact_distance(from, world_from_local, vertices);
+  return distance_;
+}
+
+bool DistancesFrom::has_nearest(const Vertices& vertices) const {
+  if (corners_ == 0) return false;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (corners_ == 1 ? has_corner(vertices, i) : has_edge(vertices, i)) return true;
+  }
+  return false;
+}
+
+namespace {
+
+/// Whether a product of vectors, of which each component is off by at most 4 * 2^-53 of its size,
+/// is certainly not negative.
+bool is_not_negative(const Vec3d& a, const Vec3d& b, const Vec3d& a_sizes, const Vec3d& b_sizes) {
+  const double size = dot(a_sizes, b_sizes);
+  return dot(a, b) > kSignShare * size || size == 0;
+}
+bool is_not_negative(const Vec3d& a, const Vec3d& b) {
+  return is_not_negative(a, b, sizes(a, 0), sizes(b, 0));
+}
+
+}  // namespace
+
+/// Whether corner i is the one that was nearest, and certainly is the nearest of this face.
+bool DistancesFrom::has_corner(const Vertices& vertices, std::size_t i) const {
+  if (vertices[i] != nearest_[0]) return false;
+  const Vec3d corner(vertices[i]), seen = corner - p_;
+  const Vec3d after = Vec3d(vertices[corner_after(i)]) - corner,
+              before = Vec3d(vertices[corner_before(i)]) - corner;
+  return are_in_range(seen, after, before) && is_not_negative(seen, after) &&
+         is_not_negative(seen, before);
+}
+
+/// Whether edge i is the one that was nearest, and certainly is the nearest part of this face.
+bool DistancesFrom::has_edge(const Vertices& vertices, std::size_t i) const {
+  const Vec3f &begin = vertices[i], &end = vertices[corner_after(i)];
+  if (!(begin == nearest_[0] && end == nearest_[1]) &&
+      !(begin == nearest_[1] && end == nearest_[0]))
+    return false;
+  const Vec3d from(begin), seen = from - p_, edge = Vec3d(end) - from,
+                           other = Vec3d(vertices[corner_before(i)]) - from;
+  return are_in_range(seen, edge, other) &&
+         is_not_negative(cross(edge, seen), cross(edge, other),
+                         cross_sizes(sizes(edge, 0), sizes(seen, 0)),
+                         cross_sizes(sizes(edge, 0), sizes(other, 0)));
 }
 
 ClosestPoint closest_point(const Vec3d& p, const std::array<double, 12>& world_from_local,

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 
 #include "accel/geometry/vec3.h"
 
@@ -19,6 +20,32 @@ namespace sightline::accel::geometry {
 /// infinite if it rounds beyond the largest double.
 double distance(const Vec3d& p, const std::array<double, 12>& world_from_local, const Vec3f& a,
                 const Vec3f& b, const Vec3f& c);
+
+/// Asks for distances of several faces from one point, under one matrix. Those around the corner or
+/// the edge that was nearest before are as far, and cost less.
+class DistancesFrom {
+ public:
+  /// `world_from_local` must outlive it.
+  DistancesFrom(const Vec3d& p, const std::array<double, 12>& world_from_local);
+
+  /// What distance() returns.
+  double to(const Vec3f& a, const Vec3f& b, const Vec3f& c);
+
+ private:
+  using Vertices = std::array<Vec3f, 3>;
+
+  bool has_corner(const Vertices& vertices, std::size_t i) const;
+  bool has_edge(const Vertices& vertices, std::size_t i) const;
+  bool has_nearest(const Vertices& vertices) const;
+
+  const Vec3d p_;
+  const std::array<double, 12>& matrix_;
+  const bool is_plain_;  // The matrix is the identity.
+  /// The corners of the part that was nearest to the point: none, one or two.
+  std::size_t corners_ = 0;
+  std::array<Vec3f, 2> nearest_;
+  double distance_ = 0;
+};
 
 struct ClosestPoint {
   Vec3d position;

@@ -21,20 +21,21 @@ constexpr double kLargestFactor = 0x1p+300;
 
 class SizeRange {
  public:
-  void add(double x) {
-    const double size = std::fabs(x);
-    most_ = std::max(most_, size);
-    least_ = std::min(least_, size == 0 ? 1.0 : size);
-  }
+  // Axes have their own bounds, so that they do not wait for each other.
   void add(const Vec3d& v) {
-    add(v.x);
-    add(v.y);
-    add(v.z);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double size = std::fabs(v[axis]);
+      most_[axis] = std::max(most_[axis], size);
+      least_[axis] = std::min(least_[axis], size == 0 ? 1.0 : size);
+    }
   }
-  bool within(double largest) const { return most_ <= largest && least_ >= 1 / largest; }
+  bool within(double largest) const {
+    return std::max({most_.x, most_.y, most_.z}) <= largest &&
+           std::min({least_.x, least_.y, least_.z}) >= 1 / largest;
+  }
 
  private:
-  double most_ = 1, least_ = 1;
+  Vec3d most_{1, 1, 1}, least_{1, 1, 1};
 };
 
 /// A sum of at most five doubles and three products: the roundings of the sum are added up beside
@@ -96,7 +97,7 @@ class Transform {
 
 bool in_range(const Matrix& matrix) {
   SizeRange range;
-  for (const double x : matrix) range.add(x);
+  for (std::size_t i = 0; i < 12; i += 3) range.add({matrix[i], matrix[i + 1], matrix[i + 2]});
   return range.within(kLargestFactor);
 }
 
@@ -113,9 +114,8 @@ Vec3dd exact_difference(const Vec3d& a, const Vec3d& b) {
 
 void see_plain(const Vec3d& p, const std::array<Vec3f, 3>& vertices, SeenFace& face) {
   for (std::size_t i = 0; i < 3; ++i) {
-    const Vec3d v(vertices[i]);
-    face.corner[i] = exact_difference(v, p);
-    face.edge[i] = exact_difference(Vec3d(vertices[corner_after(i)]), v);
+    see_corner(p, vertices, i, face);
+    see_edge(vertices, i, face);
   }
 }
 
@@ -138,9 +138,38 @@ void see_transformed(const Vec3d& p, const Matrix& matrix, const std::array<Vec3
 
 }  // namespace
 
+bool is_identity(const Matrix& matrix) { return matrix == kIdentity; }
+
+bool are_in_range(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  SizeRange range;
+  range.add(a);
+  range.add(b);
+  range.add(c);
+  return range.within(kLargestSize);
+}
+
+bool see_leading(const Vec3d& p, const std::array<Vec3f, 3>& vertices, SeenFace& face) {
+  const auto leading = [](const Vec3d& v) { return Vec3dd{{v.x}, {v.y}, {v.z}}; };
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3d v(vertices[i]);
+    face.corner[i] = leading(v - p);
+    face.edge[i] = leading(Vec3d(vertices[corner_after(i)]) - v);
+  }
+  return in_range(face);
+}
+
+void see_corner(const Vec3d& p, const std::array<Vec3f, 3>& vertices, std::size_t i,
+                SeenFace& face) {
+  face.corner[i] = exact_difference(Vec3d(vertices[i]), p);
+}
+
+void see_edge(const std::array<Vec3f, 3>& vertices, std::size_t i, SeenFace& face) {
+  face.edge[i] = exact_difference(Vec3d(vertices[corner_after(i)]), Vec3d(vertices[i]));
+}
+
 bool see(const Vec3d& p, const Matrix& matrix, const std::array<Vec3f, 3>& vertices,
          SeenFace& face) {
-  if (matrix == kIdentity) {
+  if (is_identity(matrix)) {
     see_plain(p, vertices, face);
   } else {
     if (!in_range(matrix)) return false;
@@ -150,7 +179,7 @@ bool see(const Vec3d& p, const Matrix& matrix, const std::array<Vec3f, 3>& verti
 }
 
 std::optional<Vec3d> rounded_corner(const Matrix& matrix, const Vec3f& v) {
-  if (matrix == kIdentity) return Vec3d(v) + Vec3d{};  // No negative zero
+  if (is_identity(matrix)) return Vec3d(v) + Vec3d{};  // No negative zero
   const Transform transform(matrix);
   Vec3d result;
   for (std::size_t axis = 0; axis < 3; ++axis) {

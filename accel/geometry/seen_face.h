@@ -14,10 +14,22 @@ struct SeenFace {
   double error = 0;  ///< How far each corner is off at most; edges are those of these corners.
 };
 
+bool is_identity(const std::array<double, 12>& matrix);
+
+/// Whether all coordinates are 0 or between 2^-160 and 2^160.
+bool are_in_range(const Vec3d& a, const Vec3d& b, const Vec3d& c);
+
 /// Sets `face`; false if numbers are out of the range where the bounds of the rule hold. All
 /// coordinates of corners and edges are then 0 or between 2^-160 and 2^160.
 bool see(const Vec3d& p, const std::array<double, 12>& world_from_local,
          const std::array<Vec3f, 3>& vertices, SeenFace& face);
+
+/// Where the matrix is the identity: sets the leading doubles of what see() sets, and returns what
+/// it returns. Then see_corner() and see_edge() set all of one corner or edge.
+bool see_leading(const Vec3d& p, const std::array<Vec3f, 3>& vertices, SeenFace& face);
+void see_corner(const Vec3d& p, const std::array<Vec3f, 3>& vertices, std::size_t i,
+                SeenFace& face);
+void see_edge(const std::array<Vec3f, 3>& vertices, std::size_t i, SeenFace& face);
 
 /// M v rounded once, unless the last bit of a coordinate is in doubt.
 std::optional<Vec3d> rounded_corner(const std::array<double, 12>& world_from_local, const Vec3f& v);

@@ -154,27 +154,47 @@ bool decide_placed(Packet& packet, std::size_t lane, const PlacedTriangle& trian
                 triangle.offered(packet));
 }
 
-/// Offers a face to a point, by its distance.
-bool decide_point(Packet& packet, std::size_t lane, const Block& block, const std::uint32_t* words,
-                  std::uint32_t triangle) {
-  const geometry::Vec3d point = scene_point(packet, lane);
-  if (packet.placed.all != nullptr) {
-    const PlacedTriangle face(packet, block, triangle);
-    const double distance = geometry::distance(point, *face.mesh.scene_from_local, face.corner(0),
-                                               face.corner(1), face.corner(2));
-    return offer(packet, lane, distance, face.offered(packet));
+/// Offers faces to a point, by their distances.
+class FacesOfPoint {
+ public:
+  FacesOfPoint(Packet& packet, std::size_t lane)
+      : packet_(packet), lane_(lane), point_(scene_point(packet, lane)) {}
+
+  /// Returns what offer() does.
+  bool decide(const std::uint32_t* words, std::uint32_t triangle) {
+    const Block block(words);
+    if (packet_.placed.all != nullptr) {
+      const PlacedTriangle face(packet_, block, triangle);
+      const double distance =
+          from(*face.mesh.scene_from_local).to(face.corner(0), face.corner(1), face.corner(2));
+      return offer(packet_, lane_, distance, face.offered(packet_));
+    }
+    const double distance =
+        from(*packet_.scene_from_local)
+            .to(corner_of(packet_, block, 0, triangle), corner_of(packet_, block, 1, triangle),
+                corner_of(packet_, block, 2, triangle));
+    return offer(packet_, lane_, distance, offered(words, triangle));
   }
-  const double distance = geometry::distance(
-      point, *packet.scene_from_local, corner_of(packet, block, 0, triangle),
-      corner_of(packet, block, 1, triangle), corner_of(packet, block, 2, triangle));
-  return offer(packet, lane, distance, offered(words, triangle));
-}
+
+ private:
+  geometry::DistancesFrom& from(const Matrix& matrix) {
+    if (matrix_ != &matrix) from_.emplace(point_, matrix);
+    matrix_ = &matrix;
+    return *from_;
+  }
+
+  Packet& packet_;
+  const std::size_t lane_;
+  const geometry::Vec3d point_;
+  const Matrix* matrix_ = nullptr;
+  std::optional<geometry::DistancesFrom> from_;
+};
 
 /// Decides one pair by the rule. Returns whether the ray's limits are to be tightened.
 bool decide_exactly(Packet& packet, std::size_t lane, const std::uint32_t* words,
                     std::uint32_t triangle) {
+  if (packet.points != nullptr) return FacesOfPoint(packet, lane).decide(words, triangle);
   const Block block(words);
-  if (packet.points != nullptr) return decide_point(packet, lane, block, words, triangle);
   if (packet.placed.all != nullptr) return decide_placed(packet, lane, {packet, block, triangle});
   return decide(packet, lane, ray_of(packet.rays, lane), corner_of(packet, block, 0, triangle),
                 corner_of(packet, block, 1, triangle), corner_of(packet, block, 2, triangle),
@@ -368,7 +388,27 @@ void remember(Packet& packet, std::size_t lane, const std::uint32_t* block, std:
   all.count[lane] = static_cast<std::uint8_t>(count + 1);
 }
 
+namespace {
+
+/// Decides the candidates of points. Most of those of a point are faces around one corner or edge.
+void resolve_points(Packet& packet, std::uint32_t lanes) {
+  const Candidates& all = packet.candidates;
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+    std::optional<FacesOfPoint> faces;
+    for (std::size_t i = 0; i < all.count[lane]; ++i) {
+      // The negation also includes a distance that is NaN.
+      if (all.low[lane][i] > packet.floats.high[lane]) continue;
+      if (!faces) faces.emplace(packet, lane);
+      if (faces->decide(all.block[lane][i], all.triangle[lane][i])) tighten(packet, lane);
+    }
+  }
+}
+
+}  // namespace
+
 void resolve(Packet& packet, std::uint32_t lanes) {
+  if (packet.points != nullptr) return resolve_points(packet, lanes);
   resolve_best(packet, lanes);
   resolve_others(packet, lanes);
 }

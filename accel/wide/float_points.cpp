@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 
+#include "accel/geometry/seen_face.h"
 #include "accel/wide/given_rays.h"
 
 namespace sightline::accel::wide {
@@ -55,6 +57,7 @@ void set_lengths(Packet& packet) {
   near.per_scene = near.per_local = 1;
   if (packet.scene_from_local == nullptr) return;
   const Matrix &forth = *packet.scene_from_local, &back = *packet.local_from_scene;
+  if (geometry::is_identity(forth) && geometry::is_identity(back)) return;
   const double norm = frobenius(back);
   near.per_local = norm_bound(forth);
   // The inverse is off by at most 2^-48 of its norm times the condition (model::inverse).
@@ -101,9 +104,14 @@ bool set_point(Packet& packet, const Frame& frame, std::size_t lane) {
     near.low[axis][lane] = static_cast<float>((in_range ? at : 0.0) - static_cast<double>(high));
   }
   const float size = std::max(packet.extent, static_cast<float>(std::min(most, kLargestPoint)));
-  const int exponent = std::ilogb(std::max(size, std::numeric_limits<float>::min())) + 3;
-  near.unit[lane] = std::ldexp(1.0f, -exponent);
-  near.per_unit[lane] = std::ldexp(1.0f, exponent);
+  // From 4 to 8 times the size: a power of two, by the exponent of a float.
+  constexpr std::uint32_t kExponent = 0x7f800000, kOne = 0x3f800000, kTimes8 = 3u << 23;
+  const std::uint32_t per_unit =
+      (std::bit_cast<std::uint32_t>(std::max(size, std::numeric_limits<float>::min())) &
+       kExponent) +
+      kTimes8;
+  near.per_unit[lane] = std::bit_cast<float>(per_unit);
+  near.unit[lane] = std::bit_cast<float>(2 * kOne - per_unit);
   // Doubles round three times, and the low part is off by 2^-48 of the point.
   near.off[lane] = geometry::round_up(most * 0x1p-46) + kTinyFrame;
   return most <= kLargestPoint;

@@ -14,6 +14,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <hwy/cache_control.h>
+
 #include "accel/blocks/block.h"
 #include "accel/wide/distance-inl.h"
 #include "accel/wide/exact.h"
@@ -60,6 +62,23 @@ class Point {
     lower((packet_.floats.high[other] + more) * (1 + 0x1p-21f));
   }
 
+  /// Limits the point by its distance from a vertex that it sees, as landmark() returns it.
+  void limit_by(const geometry::Vec3f& vertex) {
+    const FloatPoints& near = packet_.near;
+    float squared = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const float way = (vertex[axis] - near.high[axis][lane_]) - near.low[axis][lane_];
+      squared += way * way;
+    }
+    const float way = std::sqrt(squared) * (1 + 0x1p-20f) + near.off[lane_];
+    if (0x1p-40f < way && way < 0x1p+60f) lower_by(way);
+  }
+  /// A vertex of the block that has lowered the limit last; infinite if none has.
+  const geometry::Vec3f& landmark() const { return landmark_; }
+  static constexpr geometry::Vec3f nowhere() {
+    return {std::numeric_limits<float>::infinity(), 0, 0};
+  }
+
   void walk(Child root) {
     walk_tree(*this, {0, root});
     walked_.counters.steps += nodes_;
@@ -81,6 +100,7 @@ class Point {
     std::uint32_t met = squared <= Boxes::set(packet_.near.limit_squared[lane_]);
     if (met == 0) return false;
     const auto first = static_cast<std::size_t>(std::countr_zero(met));
+    prefetch(node, met);
     met &= met - 1;
     const Child parent = entry.at;
     alignas(64) std::array<float, kdtree::kWidth> t;
@@ -113,23 +133,56 @@ class Point {
         packet_.cancelled->load(std::memory_order_relaxed))
       packet_.stopped = true;
     const FloatPoints& near = packet_.near;
+    const Floats unit = Floats::set(near.unit[lane_]);
+    const auto column = [&](std::size_t axis) {
+      return Floats::load_unaligned(block.x + axis * block.vertices);
+    };
+    const auto relative = [&](std::size_t axis) {
+      return ((column(axis) - Floats::set(near.high[axis][lane_])) -
+              Floats::set(near.low[axis][lane_])) *
+             unit;
+    };
+    const Vectors16 seen{relative(0), relative(1), relative(2)};
+    const Floats squared = dot(seen, seen);
+    const std::uint32_t vertices = (2u << (block.vertices - 1)) - 1;
+    const std::size_t nearest = least_of(vertices, squared);
+    const Way way = way_to(block, nearest, seen, squared);
+    if (is_beyond(way, vertices)) return;
+    const float before = packet_.floats.high[lane_];
+    if (!remember_corner(words, way, squared)) visit_triangles(words, seen, squared);
+    // All points see a vertex if they see all faces.
+    if (packet_.placed.visible == nullptr && packet_.floats.high[lane_] < before)
+      landmark_ = block.vertex(nearest);
+  }
+
+ private:
+  /// Tests the triangles of a block whose vertices are seen so, relative to the point and in its
+  /// units.
+  HWY_INLINE void visit_triangles(const std::uint32_t* words, const Vectors16& seen,
+                                  const Floats& squared) {
+    const blocks::Block block(words);
+    const FloatPoints& near = packet_.near;
     const Floats unit = Floats::set(near.unit[lane_]), per_unit = Floats::set(near.per_unit[lane_]);
+    const auto column = [&](std::size_t axis) {
+      return Floats::load_unaligned(block.x + axis * block.vertices) * unit;
+    };
+    const std::uint32_t vertices = (2u << (block.vertices - 1)) - 1;
+    const float size = std::sqrt(Floats::pick(vertices, squared, Floats::set(0)).greatest());
     std::array<GatheredAxis, 3> axes;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Floats vertices = Floats::load_unaligned(block.x + axis * block.vertices);
-      const Floats relative =
-          (vertices - Floats::set(near.high[axis][lane_])) - Floats::set(near.low[axis][lane_]);
-      axes[axis].set(vertices * unit, relative * unit);
-    }
-    std::array<Vectors16, 3> vertices, corners;
+    axes[0].set(column(0), seen.x);
+    axes[1].set(column(1), seen.y);
+    axes[2].set(column(2), seen.z);
+    std::array<Vectors16, 3> at;
+    std::array<Vectors16, 2> corners;
     for (std::size_t k = 0; k < 3; ++k) {
       const Gather of(block.corner(k));
-      vertices[k] = {axes[0].vertices(of), axes[1].vertices(of), axes[2].vertices(of)};
-      corners[k] = {axes[0].corners(of), axes[1].corners(of), axes[2].corners(of)};
+      at[k] = {axes[0].vertices(of), axes[1].vertices(of), axes[2].vertices(of)};
+      if (k < 2) corners[k] = {axes[0].corners(of), axes[1].corners(of), axes[2].corners(of)};
     }
-    Distances found = distances({corners[0], corners[1], corners[2], vertices[1] - vertices[0],
-                                 vertices[2] - vertices[0], vertices[2] - vertices[1]},
-                                mul_add(Floats::set(near.off[lane_]), unit, Floats::set(0x1p-60f)));
+    Distances found =
+        distances({corners[0], corners[1], at[1] - at[0], at[2] - at[0], at[2] - at[1]},
+                  Floats::set(size * (1 + 0x1p-10f) + 0x1p-60f),
+                  Floats::set(near.off[lane_] * near.unit[lane_] + 0x1p-59f));
     found.low = found.low * per_unit;
     found.high = found.high * per_unit;
     const std::uint32_t all = (2u << (block.triangles - 1)) - 1;
@@ -143,7 +196,6 @@ class Point {
     if (open != 0) take(words, found, open);
   }
 
- private:
   /// The numbers of the vertices of a block on one axis, as they are and relative to the point.
   class GatheredAxis {
    public:
@@ -163,13 +215,102 @@ class Point {
     alignas(64) std::array<std::array<float, 16>, 2> stored_;
   };
 
+  /// The index of the least of these numbers.
+  static HWY_INLINE std::size_t least_of(std::uint32_t lanes, const Floats& x) {
+    const float least =
+        Floats::pick(lanes, x, Floats::set(std::numeric_limits<float>::infinity())).least();
+    const std::uint32_t equals = equal(x, Floats::set(least)) & lanes;
+    return static_cast<std::size_t>(std::countr_zero(equals == 0 ? 1u : equals));
+  }
+
+  /// The way from the point to a vertex of a block.
+  struct Way {
+    Floats along;             ///< How far the block's vertices are along the way, times its length.
+    float squared = 0;        ///< Its length, squared.
+    std::uint32_t ahead = 0;  ///< The vertices that are certainly less than 76 degrees aside.
+  };
+
+  HWY_INLINE Way way_to(const blocks::Block& block, std::size_t vertex, const Vectors16& seen,
+                        const Floats& squared) const {
+    const FloatPoints& near = packet_.near;
+    const auto relative = [&](float x, std::size_t axis) {
+      return ((x - near.high[axis][lane_]) - near.low[axis][lane_]) * near.unit[lane_];
+    };
+    const float x = relative(block.x[vertex], 0), y = relative(block.y[vertex], 1),
+                z = relative(block.z[vertex], 2);
+    const Floats along =
+        mul_add(seen.x, Floats::set(x), mul_add(seen.y, Floats::set(y), seen.z * Floats::set(z)));
+    const float length = x * x + y * y + z * z;
+    const Floats aside =
+        mul_add(squared, Floats::set(length * (0x1p-4f * (1 + 0x1p-17f))), Floats::set(0x1p-100f));
+    return {along, length, (along > Floats::set(0)) & (along * along > aside)};
+  }
+
+  /// Whether these vertices, and so the faces between them, certainly lie beyond the limit: behind
+  /// a plane across the way.
+  HWY_INLINE bool is_beyond(const Way& way, std::uint32_t vertices) const {
+    const FloatPoints& near = packet_.near;
+    const float limit = (packet_.floats.high[lane_] + near.off[lane_]) * near.unit[lane_];
+    const std::uint32_t beyond =
+        way.along * way.along > Floats::set(limit * limit * (way.squared * (1 + 0x1p-17f)));
+    return (beyond & way.ahead & vertices) == vertices;
+  }
+
+  /// Where a block is so far away that it is seen within a narrow cone around the way: its faces
+  /// are hardly nearer than planes across the way, so that these leave those around the nearest
+  /// vertex. Remembers them, unless they are many.
+  HWY_INLINE bool remember_corner(const std::uint32_t* words, const Way& way,
+                                  const Floats& squared) {
+    if (kGoal != Goal::kNearest || packet_.placed.visible != nullptr) return false;
+    const blocks::Block block(words);
+    const std::uint32_t vertices = (2u << (block.vertices - 1)) - 1;
+    const std::uint32_t in_cone =
+        way.along * way.along > squared * Floats::set(way.squared * (1 - kCone));
+    if ((in_cone & way.ahead & vertices) != vertices || !(way.squared > 0x1p-90f)) return false;
+    const FloatPoints& near = packet_.near;
+    const float per_unit = near.per_unit[lane_], off = near.off[lane_];
+    const float length = std::sqrt(way.squared);
+    lower_by(length * per_unit * (1 + 0x1p-20f) + off);
+    alignas(64) std::array<float, 16> stored;
+    if constexpr (Floats::kVectors > 1) way.along.store(stored.data());
+    const auto corner = [&](std::size_t k) {
+      return Gather(block.corner(k))(way.along, stored.data());
+    };
+    const Floats low = min(corner(0), min(corner(1), corner(2))) *
+                           Floats::set(per_unit / length * (1 - 0x1p-18f)) -
+                       Floats::set(off);
+    const std::uint32_t all = (2u << (block.triangles - 1)) - 1;
+    std::uint32_t open = all & ~(low > Floats::set(packet_.floats.high[lane_]));
+    if (std::popcount(open) > kFew) return false;
+    low.store(stored.data());
+    for (; open != 0; open &= open - 1) {
+      const auto i = static_cast<std::uint32_t>(std::countr_zero(open));
+      remember(packet_, lane_, words, i, stored[i]);
+    }
+    return true;
+  }
+  /// The square of the sine of the cone's angle, and the most faces: docs/decisions/0078 has what
+  /// others cost.
+  static constexpr float kCone = 0x1p-6f;
+  static constexpr int kFew = 6;
+
+  /// Fetches these children, of which the nearest is visited at once, and most others soon.
+  static HWY_INLINE void prefetch(const kdtree::WideNode& node, std::uint32_t children) {
+    constexpr std::uint64_t kLine = 64, kLines = 4;  // A node, and most blocks
+    for (; children != 0; children &= children - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(children));
+      const std::uint64_t address = kdtree::load(node.children[i]).bits() & ~(kLine - 1);
+      for (std::uint64_t line = 0; line < kLines; ++line)
+        hwy::Prefetch(std::bit_cast<const char*>(address + line * kLine));
+    }
+  }
+
   /// Takes the faces of `open`, which may be near enough.
   void take(const std::uint32_t* words, const Distances& found, std::uint32_t open) {
     if constexpr (kGoal == Goal::kNearest) {
       const float nearest =
           Floats::pick(open, found.high, Floats::set(std::numeric_limits<float>::max())).least();
-      const FloatPoints& near = packet_.near;
-      lower(nearest * near.spread * (1 + 0x1p-22f) + near.slack[lane_] * (1 + 0x1p-22f));
+      lower_by(nearest);
       alignas(64) std::array<float, 16> low;
       found.low.store(low.data());
       for (; open != 0; open &= open - 1) {
@@ -190,7 +331,13 @@ class Point {
     }
   }
 
-  /// Lowers the limit, as there is a face at this distance or before.
+  /// Lowers the limit, as there is a face at this distance in the frame, or before.
+  HWY_INLINE void lower_by(float nearest) {
+    const FloatPoints& near = packet_.near;
+    lower(nearest * near.spread * (1 + 0x1p-22f) + near.slack[lane_] * (1 + 0x1p-22f));
+  }
+
+  /// Lowers the limit to this.
   void lower(float high) {
     if (!(high < packet_.floats.high[lane_])) return;
     packet_.floats.high[lane_] = high;
@@ -204,6 +351,7 @@ class Point {
   std::array<Boxes, 3> at_, off_;
   std::uint64_t nodes_ = 0, triangles_ = 0;
   std::uint32_t blocks_ = 0;
+  geometry::Vec3f landmark_ = nowhere();
 };
 
 }  // namespace HWY_NAMESPACE

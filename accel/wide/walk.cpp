@@ -39,13 +39,17 @@ HWY_INLINE std::uint32_t alike(const Packet& packet, std::uint32_t lanes) {
 template <Goal kGoal>
 void walk_points(const Walked& walked, Child root, std::uint32_t lanes) {
   std::size_t before = kLanes;
+  geometry::Vec3f landmark = Point<kGoal>::nowhere();
   for (; lanes != 0 && !walked.packet.stopped; lanes &= lanes - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
     Point<kGoal> point(walked, lane);
-    if (kGoal == Goal::kNearest && walked.packet.near.alike && before != kLanes)
+    if (kGoal == Goal::kNearest && walked.packet.near.alike && before != kLanes) {
       point.limit_by(before);
+      point.limit_by(landmark);
+    }
     point.walk(root);
     before = lane;
+    if (point.landmark() != Point<kGoal>::nowhere()) landmark = point.landmark();
   }
 }
 

@@ -42,6 +42,24 @@ struct Extent {
   }
 };
 
+/// Sorts keys whose upper halves are codes, and whose lower halves grow. Digits take a quarter of
+/// the time that comparisons take, as long as one thread has few keys.
+void sort(std::vector<std::uint64_t>& keys) {
+  constexpr std::size_t kFew = 512, kMany = 65'536;
+  if (keys.size() < kFew || keys.size() > kMany)
+    return tbb::parallel_sort(keys.begin(), keys.end());
+  constexpr std::size_t kDigit = std::size_t{1} << kBits;
+  std::vector<std::uint64_t> sorted(keys.size());
+  for (int shift = 32; shift < 32 + 3 * kBits; shift += kBits) {
+    const auto digit = [shift](std::uint64_t key) { return (key >> shift) % kDigit; };
+    std::array<std::uint32_t, kDigit + 1> begin{};
+    for (const std::uint64_t key : keys) ++begin[digit(key) + 1];
+    for (std::size_t i = 1; i < kDigit; ++i) begin[i] += begin[i - 1];
+    for (const std::uint64_t key : keys) sorted[begin[digit(key)]++] = key;
+    keys.swap(sorted);
+  }
+}
+
 /// Makes a column of equal numbers one of a single number.
 template <class Column>
 void make_single(Column& column, std::size_t size) {
@@ -62,7 +80,7 @@ OrderedPoints::OrderedPoints(const accel::geometry::RayColumns& points) : column
       code |= spread_bits(extent.part_of(points.origin[axis][i], axis)) << axis;
     keys[i] = code << 32 | i;
   }
-  tbb::parallel_sort(keys.begin(), keys.end());
+  sort(keys);
   make_single(columns.tmax, points.size);
   make_single(columns.mask, points.size);
   order.resize(points.size);

@@ -154,6 +154,34 @@ TEST_P(PointsInFrames, SeeTheNodesThatTheirQuerySelects) {
   }
 }
 
+/// What one point has found must not limit the next one by faces that the query does not see: two
+/// surfaces lie in one flat tree, and one of them is excluded.
+TEST(Points, SeeOnlyOneOfTwoSurfacesInAFlatTree) {
+  Scene scene;
+  const auto mesh = tests::mesh_of(tests::icosphere(4));
+  ASSERT_TRUE(
+      scene.apply({tests::put_node(-1, 0, mesh),
+                   tests::put_node(-2, 0, mesh, {{1.01, 0, 0, 0, 0, 1.01, 0, 0, 0, 0, 1.01, 0}})}));
+  const auto snapshot = scene.snapshot();
+  ASSERT_TRUE(query::build_all(*snapshot, nullptr, nullptr));
+  ASSERT_NE(snapshot->trees().static_tree().flat(), nullptr);
+  const BruteNearest oracle(snapshot);
+  tests::Random random(17);
+  std::vector<Vec3d> at;
+  for (int i = 0; i < 400; ++i) at.push_back(random.direction() * random.uniform(0.9, 1.2));
+  for (const model::NodeId excluded : {1, 2}) {
+    const auto selection = query::Selection::make(snapshot, 0, std::span(&excluded, 1));
+    ASSERT_TRUE(selection);
+    TraceOptions options = options_of_points();
+    options.selection = &*selection;
+    const tests::NodeFilter filter{.accepts = [&](std::uint64_t node) { return node != excluded; }};
+    std::vector<Hit> hits(at.size());
+    ASSERT_TRUE(trace(*snapshot, points_of(at), hits, options));
+    const auto expected = oracle.closest(at, kInfinity, filter);
+    for (std::size_t i = 0; i < at.size(); ++i) ASSERT_TRUE(is_face(hits[i], *expected[i])) << i;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(AllFrames, PointsInFrames,
                          testing::Values(Frames::kRigid, Frames::kSheared, Frames::kFar,
                                          Frames::kFlat));

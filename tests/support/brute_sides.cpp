@@ -16,7 +16,7 @@ using QuadCorners = std::array<QuadVec, 3>;  // Minus the point
 Quad size_of(const QuadVec& v) { return Precision<Quad>::root(dot(v, v)); }
 
 QuadCorners corners_from(const accel::geometry::Vec3d& p, const PlacedMesh& node,
-                     const accel::geometry::Face& face) {
+                         const accel::geometry::Face& face) {
   QuadCorners corners;
   for (std::size_t i = 0; i < 3; ++i)
     corners[i] = transform(node.world_from_local, node.mesh.vertices[face[i]]) - widen(p);

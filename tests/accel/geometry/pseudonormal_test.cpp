@@ -44,24 +44,24 @@ TEST_P(Pseudonormal, InDoubleDoublesIsThatInIntegers) {
 INSTANTIATE_TEST_SUITE_P(AllFamilies, Pseudonormal, testing::ValuesIn(closest_families()),
                          [](const auto& family) { return family.param.name; });
 
-constexpr std::array<double, 12> kIdentity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+constexpr std::array<double, 12> kUntransformed{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 constexpr std::array<Vec3f, 3> kTriangle{Vec3f{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
 
 TEST(Pseudonormal, OfATriangleIsKnown) {
   FaceNormal face;
   const Vec3d p{1, 1, 2};
-  ASSERT_TRUE(computed_normal(p, kIdentity, kTriangle, face));
+  ASSERT_TRUE(computed_normal(p, kUntransformed, kTriangle, face));
   EXPECT_EQ(high(face.normal), (Vec3d{0, 0, 1}));
   EXPECT_EQ(face.area.high, 16);
   NearestPoint nearest;
-  ASSERT_TRUE(computed_nearest(p, kIdentity, kTriangle, 2, nearest));
+  ASSERT_TRUE(computed_nearest(p, kUntransformed, kTriangle, 2, nearest));
   EXPECT_EQ(nearest.feature.part, Part::kInside);
   EXPECT_EQ(high(nearest.from_p), (Vec3d{0, 0, -1}));
   EXPECT_EQ(nearest.position, (Vec3d{1, 1, 0}));
 }
 
 TEST(Pseudonormal, IsWeightedByTheAngleAtAPoint) {
-  const FaceNormal face = exact_normal({0, 0, 0}, kIdentity, kTriangle);
+  const FaceNormal face = exact_normal({0, 0, 0}, kUntransformed, kTriangle);
   const auto angle = [&](const Vec3d& at) {
     const Vec3dd point{{at.x}, {at.y}, {at.z}};
     const Feature feature = part_at(face, point, 0);
@@ -80,7 +80,7 @@ TEST(Pseudonormal, IsWeightedByTheAngleAtAPoint) {
 }
 
 TEST(Pseudonormal, KnowsWhichMatricesMirror) {
-  EXPECT_FALSE(is_mirrored(kIdentity));
+  EXPECT_FALSE(is_mirrored(kUntransformed));
   EXPECT_TRUE(is_mirrored({0, 1, 0, 5, 1, 0, 0, 6, 0, 0, 1, 7}));
   // Two axes that are 1e-12 of the third, nearly in its direction.
   EXPECT_FALSE(is_mirrored({1, 1, 1, 0, 0, 1e-12, 0, 0, 0, 0, 1e-12, 0}));

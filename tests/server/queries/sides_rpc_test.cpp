@@ -104,7 +104,10 @@ TEST_F(SidesRpc, AnswerLargeBatchesSliceBySlice) {
   for (std::size_t i = 0; i < inside.size(); ++i) {
     EXPECT_EQ(votes[i], inside[i] * 63) << i;
     const double x = positions[3 * i];
-    if (x < 0.9 || x > 1) EXPECT_EQ(inside[i], expected[i]) << i;
+    const bool is_clear = x < 0.9 || x > 1;
+    if (is_clear) {
+      EXPECT_EQ(inside[i], expected[i]) << i;
+    }
   }
   EXPECT_EQ(reply.stats().rays(), 3'000u);
 }
