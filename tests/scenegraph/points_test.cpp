@@ -158,10 +158,11 @@ TEST_P(PointsInFrames, SeeTheNodesThatTheirQuerySelects) {
 /// surfaces lie in one flat tree, and one of them is excluded.
 TEST(Points, SeeOnlyOneOfTwoSurfacesInAFlatTree) {
   Scene scene;
-  const auto mesh = tests::mesh_of(tests::icosphere(4));
-  ASSERT_TRUE(
-      scene.apply({tests::put_node(-1, 0, mesh),
-                   tests::put_node(-2, 0, mesh, {{1.01, 0, 0, 0, 0, 1.01, 0, 0, 0, 0, 1.01, 0}})}));
+  const tests::TestMesh inner = tests::icosphere(4);
+  tests::TestMesh outer = inner;
+  for (accel::geometry::Vec3f& v : outer.vertices) v = v * 1.01f;
+  ASSERT_TRUE(scene.apply({tests::put_node(-1, 0, tests::mesh_of(inner)),
+                           tests::put_node(-2, 0, tests::mesh_of(outer))}));
   const auto snapshot = scene.snapshot();
   ASSERT_TRUE(query::build_all(*snapshot, nullptr, nullptr));
   ASSERT_NE(snapshot->trees().static_tree().flat(), nullptr);
