@@ -14,7 +14,8 @@ namespace sightline::tests {
 double Box::signed_distance(const std::array<double, 3>& point) const {
   double square = 0, inside = -std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < 3; ++k) {
-    const double beyond = std::max(low[k] - point[k], point[k] - high[k]);
+    const double beyond =
+        std::max(static_cast<double>(low[k]) - point[k], point[k] - static_cast<double>(high[k]));
     inside = std::max(inside, beyond);
     if (beyond > 0) square += beyond * beyond;
   }

@@ -58,11 +58,16 @@ TraceOptions options_of(Growth growth) {
   return options;
 }
 
+Result<TraceStats> find_by_normal(const revision::Snapshot& snapshot,
+                                  const accel::geometry::RayColumns& points, std::span<Side> sides,
+                                  const TraceOptions& options) {
+  return find_sides(snapshot, points, {.rule = SideRule::kNormal}, {sides, {}}, options);
+}
+
 std::vector<Side> sides_of(const SharedSnapshot& snapshot, std::span<const Ray> points,
                            const TraceOptions& options) {
   std::vector<Side> sides(points.size(), Side::kInvalid);
-  const auto found =
-      sides_by_normal(*snapshot, accel::geometry::columns_of(points), sides, options);
+  const auto found = find_by_normal(*snapshot, accel::geometry::columns_of(points), sides, options);
   EXPECT_TRUE(found && found->rays == points.size());
   return sides;
 }
@@ -373,8 +378,8 @@ TEST(NormalSides, OfInvalidPointsAreMarked) {
       {kNan, 0, 0}, {0, kInfinity, 0}, {0, 0, 0x1p+251}, {0, 0, 0}, {0, 0, 0x1p+249}, {0, 0, 0}});
   points.back().tmax = kNan;
   std::vector<Side> sides(points.size());
-  const auto found = sides_by_normal(*only_mesh(tests::cube()), accel::geometry::columns_of(points),
-                                     sides, options_of(Growth::kFirstTouch));
+  const auto found = find_by_normal(*only_mesh(tests::cube()), accel::geometry::columns_of(points),
+                                    sides, options_of(Growth::kFirstTouch));
   ASSERT_TRUE(found);
   EXPECT_EQ(sides, (std::vector{Side::kInvalid, Side::kInvalid, Side::kInvalid, Side::kInside,
                                 Side::kOutside, Side::kInvalid}));
@@ -402,11 +407,11 @@ TEST(NormalSides, AreUnansweredOnceCancelled) {
     options.cancelled = &stopped;
     std::vector<Side> sides(points.size(), Side::kInside);
     const auto columns = accel::geometry::columns_of(points);
-    const auto failed = sides_by_normal(*snapshot, columns, sides, options);
+    const auto failed = find_by_normal(*snapshot, columns, sides, options);
     ASSERT_FALSE(failed);
     EXPECT_EQ(failed.error().code, Code::kCancelled);
     options.partial = true;
-    const auto found = sides_by_normal(*snapshot, columns, sides, options);
+    const auto found = find_by_normal(*snapshot, columns, sides, options);
     ASSERT_TRUE(found);
     EXPECT_EQ(found->rays, 0u);
     EXPECT_EQ(found->unanswered, points.size());
@@ -431,7 +436,7 @@ TEST(NormalSides, AreRightOrUnansweredWhereTimeEnds) {
     options.cancelled = &stopped;
     options.partial = true;
     std::vector<Side> sides(points.size());
-    const auto found = sides_by_normal(*snapshot, columns, sides, options);
+    const auto found = find_by_normal(*snapshot, columns, sides, options);
     stopping.join();
     ASSERT_TRUE(found);
     std::size_t marked = 0;
