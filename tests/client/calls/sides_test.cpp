@@ -78,7 +78,9 @@ void expect_box(const SideColumns& columns, const std::vector<double>& positions
         kBox.signed_distance({positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]});
     ASSERT_EQ(columns.distance[i], distance) << i;
     ASSERT_EQ(columns.inside[i], distance < 0 ? 1 : 0) << i;
-    if (rays > 0) ASSERT_EQ(columns.votes[i], distance < 0 ? rays : 0) << i;
+    if (rays > 0) {
+      ASSERT_EQ(columns.votes[i], distance < 0 ? rays : 0) << i;
+    }
   }
 }
 

@@ -24,7 +24,8 @@ constexpr double kRadius = 10;
 
 std::string ball_obj() {
   constexpr int kRings = 48, kParts = 96;
-  client::importer::ImportedMesh ball{.name = "ball"};
+  client::importer::ImportedMesh ball;
+  ball.name = "ball";
   for (int ring = 0; ring <= kRings; ++ring) {
     for (int part = 0; part < kParts; ++part) {
       const double polar = std::numbers::pi * ring / kRings;
