@@ -183,7 +183,7 @@ const std::vector<std::uint8_t>& ShardRay::by_entry() {
   order_.clear();
   for (std::uint32_t shard = 0; shard < cut_.size(); ++shard) {
     const Aabb& box = cut_[shard].box;
-    if (may_meet(shard, points_ ? tmax_ : kInfinity))
+    if (may_meet(shard, tmax_))
       entries_.emplace_back(points_ ? distance(box) : entry(box), static_cast<std::uint8_t>(shard));
   }
   std::sort(entries_.begin(), entries_.end());

@@ -357,7 +357,7 @@ Result<scenegraph::TraceStats> CastJob::trace_with_sides(const accel::geometry::
   scenegraph::TraceStats stats;
   if (!query_.sides_alone) {
     sides_.add_sources(hits);
-    const auto traced = trace_hits(points, hits, options, reply);
+    auto traced = trace_hits(points, hits, options, reply);
     if (!traced) return traced;
     stats = *traced;
   }
