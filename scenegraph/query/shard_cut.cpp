@@ -13,7 +13,6 @@ namespace sightline::scenegraph::query {
 namespace {
 
 using accel::geometry::Aabb;
-using accel::geometry::kInfinity;
 using accel::geometry::Vec3d;
 
 /// Bits of a Morton code for each axis.
