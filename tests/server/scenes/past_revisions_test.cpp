@@ -5,6 +5,7 @@
 
 #include <future>
 #include <memory>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -47,6 +48,8 @@ class PastRevisionsTest : public testing::Test {
     std::promise<void> done;
     compute_.enqueue_background([&] { done.set_value(); });
     done.get_future().wait();
+    // A task that takes long, as on a busy machine, is overtaken; it has the scene until it ends.
+    while (scene_.use_count() > 1) std::this_thread::yield();
   }
   void delete_scene() {
     await_background();
