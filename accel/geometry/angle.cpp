@@ -1,3 +1,4 @@
+// Angles in double-doubles: halves of them until a short series is enough.
 #include "accel/geometry/angle.h"
 
 namespace sightline::accel::geometry {

@@ -1,3 +1,4 @@
+// A face in integers: all coordinates become multiples of one power of two.
 #include "accel/geometry/integer_face.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Normals and nearest points in double-doubles, with bounds of their errors.
 #include "accel/geometry/pseudonormal.h"
 
 #include <algorithm>

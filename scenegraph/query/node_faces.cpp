@@ -1,3 +1,4 @@
+// The faces of one node around a point, and the side on which they see it.
 #include "scenegraph/query/node_faces.h"
 
 #include <cmath>

@@ -21,7 +21,8 @@ double signed_distance(double distance, Side side) {
 
 std::size_t side_bytes(std::size_t points, std::size_t slice) {
   constexpr std::size_t kReply = sizeof(double) + 2;
-  // The point once more in order, its index there, two tallies, a distance, and what is found.
+  // A slice keeps each point a second time, in order, with its index, two tallies, a distance, and
+  // what is found.
   constexpr std::size_t kSlice = sizeof(accel::geometry::Ray) + sizeof(std::uint64_t) +
                                  2 * sizeof(scenegraph::RayTally) + 2 * sizeof(double);
   return points * kReply + slice * kSlice;

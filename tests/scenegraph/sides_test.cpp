@@ -67,7 +67,7 @@ Found find(const revision::Snapshot& snapshot, std::span<const Ray> points,
 }
 
 /// Whether o + (e, e^2, e^3) is in a closed mesh, for an e that is smaller than all differences of
-/// its floats: the number of faces that a ray from there crosses, in exact arithmetic.
+/// its floats. It counts the faces that a ray from there crosses, in exact arithmetic.
 bool is_inside(const TestMesh& mesh, const Vec3d& o) {
   const auto e = [](int power) { return tests::Dyadic(std::ldexp(1.0, -300 * power)); };
   const auto read = [](double x) {
@@ -179,7 +179,7 @@ TEST(Sides, AgreeInAllDirections) {
   expect_exact(*snapshot_of(mesh), ExactSides(mesh, 100, 3), {.rays = kMaxSideRays});
 }
 
-/// The point (0, 0, 0) moved by (e, e^2, e^3) decides: boxes contain their lower faces.
+/// A point that is moved by (e, e^2, e^3) decides, so boxes contain their lower faces.
 TEST(Sides, HaveOneBoxForEachPointOfAGrid) {
   std::vector<TestMesh> boxes;
   for (int i = 0; i < 8; ++i) {
@@ -231,7 +231,7 @@ TEST(Sides, AreParitiesOverAllNodes) {
   expect_exact(*snapshot, ExactSides(cube, 400, 4));
 }
 
-/// Frames round points: only those that are not beside the surface have a side that is known.
+/// A frame rounds points, so those that are very near the surface are left out.
 TEST(Sides, AreThoseOfInstances) {
   tests::Random random(5);
   for (const tests::Frames frames : {tests::Frames::kRigid, tests::Frames::kSheared}) {

@@ -1,3 +1,4 @@
+// The definition of the side by normals, in 113 bits, over all faces of a node.
 #include "tests/support/brute_sides.h"
 
 #include <algorithm>
