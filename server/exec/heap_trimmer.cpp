@@ -24,7 +24,6 @@ bool HeapTrimmer::observe(std::uint64_t held, std::uint64_t resident) {
   const bool scratch = is_scratch_worth_it(held, resident);
   if (falling || (most_ - held < least && !scratch)) return false;
   most_ = held;
-  least_unheld_ = std::numeric_limits<std::uint64_t>::max();
   malloc_trim(0);
   return true;
 }
@@ -32,8 +31,16 @@ bool HeapTrimmer::observe(std::uint64_t held, std::uint64_t resident) {
 bool HeapTrimmer::is_scratch_worth_it(std::uint64_t held, std::uint64_t resident) {
   const std::uint64_t unheld = resident - std::min(held, resident);
   least_unheld_ = std::min(least_unheld_, unheld);
-  return steady_ >= kSteadyCalls &&
-         unheld - least_unheld_ >= std::max(kLeastScratch, resident / kLeastScratchShare);
+  const std::uint64_t least = std::max(kLeastScratch, resident / kLeastScratchShare);
+  ++calls_since_pass_;
+  if (calls_since_pass_ == 1 && unheld + least > least_since_pass_) calls_between_ *= 2;
+  least_since_pass_ = std::min(least_since_pass_, unheld);
+  if (unheld >= least_since_pass_ + least) calls_between_ = kSteadyCalls;
+  if (steady_ < kSteadyCalls || calls_since_pass_ < calls_between_) return false;
+  if (unheld - least_unheld_ < least) return false;
+  calls_since_pass_ = 0;
+  least_since_pass_ = unheld;
+  return true;
 }
 
 std::uint64_t resident_bytes() {

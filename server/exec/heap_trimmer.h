@@ -14,12 +14,14 @@ class HeapTrimmer {
   /// that was held.
   static constexpr std::uint64_t kLeastBytes = std::uint64_t{1} << 20;
   static constexpr std::uint64_t kLeastShare = 16;
-  /// A pass also pays for this many bytes that came in use and are not held, and
-  /// 1 / kLeastScratchShare of the resident ones. Trees that are still built use them again: what
-  /// is held must have been steady for kSteadyCalls calls.
+  /// A pass also pays for this many resident bytes that are not held, more than there once were,
+  /// and 1 / kLeastScratchShare of the resident ones. Trees that are still built use them again:
+  /// what is held must have been steady for kSteadyCalls calls. Where a pass returns little, they
+  /// are in use without an account, as what a connection's calls hold, and may be freed later
+  /// unseen: each such pass doubles the calls until the next.
   static constexpr std::uint64_t kLeastScratch = std::uint64_t{16} << 20;
   static constexpr std::uint64_t kLeastScratchShare = 8;
-  static constexpr int kSteadyCalls = 4;
+  static constexpr std::uint64_t kSteadyCalls = 4;
 
   /// Call it from time to time with the bytes that the process holds now, by its own account, and
   /// those that are resident (0: not known). True: the heap was trimmed, since much was freed after
@@ -31,8 +33,11 @@ class HeapTrimmer {
 
   std::uint64_t most_ = 0;  // since the heap was trimmed
   std::uint64_t last_ = 0;
-  std::uint64_t least_unheld_ = std::numeric_limits<std::uint64_t>::max();  // since then
-  int steady_ = 0;                                                          // calls
+  std::uint64_t steady_ = 0;  // calls
+  std::uint64_t least_unheld_ = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t least_since_pass_ = 0;  // unheld bytes, since the last pass for scratch
+  std::uint64_t calls_since_pass_ = 1;  // there was none
+  std::uint64_t calls_between_ = kSteadyCalls;
 };
 
 /// The resident bytes of this process; 0 if the system does not say.

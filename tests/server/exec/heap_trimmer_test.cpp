@@ -39,12 +39,32 @@ TEST(HeapTrimmer, ReturnsWhatBuildingTookForAWhile) {
   HeapTrimmer trimmer;
   EXPECT_FALSE(trimmer.observe(10 * kMib, 30 * kMib));
   EXPECT_FALSE(trimmer.observe(60 * kMib, 160 * kMib));
-  for (int call = 1; call < HeapTrimmer::kSteadyCalls; ++call)
+  for (std::uint64_t call = 1; call < HeapTrimmer::kSteadyCalls; ++call)
     EXPECT_FALSE(trimmer.observe(60 * kMib, 160 * kMib)) << "building may go on";
   EXPECT_TRUE(trimmer.observe(60 * kMib, 160 * kMib));
-  // What could not be returned is not asked for again.
-  for (int call = 0; call < 3 * HeapTrimmer::kSteadyCalls; ++call)
-    EXPECT_FALSE(trimmer.observe(60 * kMib, 150 * kMib));
+}
+
+int passes(HeapTrimmer& trimmer, int calls, std::uint64_t held, std::uint64_t resident) {
+  int count = 0;
+  for (int call = 0; call < calls; ++call) count += trimmer.observe(held, resident) ? 1 : 0;
+  return count;
+}
+
+TEST(HeapTrimmer, AsksEverMoreSeldomForWhatIsNotReturned) {
+  HeapTrimmer trimmer;
+  EXPECT_FALSE(trimmer.observe(10 * kMib, 30 * kMib));
+  EXPECT_EQ(passes(trimmer, 4096, 10 * kMib, 160 * kMib), 10) << "after 4, 8, 16 and so on";
+  // A flood's memory, in use at the last pass, was freed and is returned: the next is seen at once.
+  EXPECT_EQ(passes(trimmer, 8192, 10 * kMib, 160 * kMib), 1);
+  EXPECT_EQ(passes(trimmer, 16, 10 * kMib, 35 * kMib), 0);
+  EXPECT_EQ(passes(trimmer, 4, 10 * kMib, 160 * kMib), 1);
+}
+
+TEST(HeapTrimmer, AsksAgainSoonWhereMemoryGrew) {
+  HeapTrimmer trimmer;
+  EXPECT_FALSE(trimmer.observe(10 * kMib, 30 * kMib));
+  EXPECT_GT(passes(trimmer, 1024, 10 * kMib, 160 * kMib), 4);
+  EXPECT_EQ(passes(trimmer, 4, 10 * kMib, 200 * kMib), 1);
 }
 
 TEST(HeapTrimmer, LeavesMemoryToThoseWhoBuild) {
