@@ -222,32 +222,60 @@ Result<PrefetchReport> Client::prefetch_rays(const std::string& scene,
                                              const RayColumns<const double>& rays,
                                              const PrefetchOptions& options,
                                              const PrefetchProgress& progress) const {
-  return calls::prefetch_rays(*connection_, scene, rays, options, progress);
+  return calls::prefetch_columns(*connection_, scene, rays, options, progress);
 }
 Result<PrefetchReport> Client::prefetch_rays(const std::string& scene,
                                              const RayColumns<const float>& rays,
                                              const PrefetchOptions& options,
                                              const PrefetchProgress& progress) const {
-  return calls::prefetch_rays(*connection_, scene, rays, options, progress);
+  return calls::prefetch_columns(*connection_, scene, rays, options, progress);
 }
 Result<PrefetchReport> Client::prefetch_rays(const std::string& scene,
                                              const RaySource<double>& source, RayShape shape,
                                              const PrefetchOptions& options,
                                              const PrefetchProgress& progress) const {
-  return calls::prefetch_rays(*connection_, scene, source, shape, options, progress);
+  return calls::prefetch_rows(*connection_, scene, source, shape, options, progress);
 }
 Result<PrefetchReport> Client::prefetch_rays(const std::string& scene,
                                              const RaySource<float>& source, RayShape shape,
                                              const PrefetchOptions& options,
                                              const PrefetchProgress& progress) const {
-  return calls::prefetch_rays(*connection_, scene, source, shape, options, progress);
+  return calls::prefetch_rows(*connection_, scene, source, shape, options, progress);
 }
-
 Result<PrefetchReport> Client::prefetch_rays(const std::string& scene,
                                              const RayGenerator& generator,
                                              const PrefetchOptions& options,
                                              const PrefetchProgress& progress) const {
-  return calls::prefetch_rays(*connection_, scene, generator, options, progress);
+  return calls::prefetch_made(*connection_, scene, generator, options, progress);
+}
+Result<PrefetchReport> Client::prefetch_points(const std::string& scene,
+                                               const PointColumns<const double>& points,
+                                               const PrefetchOptions& options,
+                                               const PrefetchProgress& progress) const {
+  return calls::prefetch_columns(*connection_, scene, points, options, progress);
+}
+Result<PrefetchReport> Client::prefetch_points(const std::string& scene,
+                                               const PointColumns<const float>& points,
+                                               const PrefetchOptions& options,
+                                               const PrefetchProgress& progress) const {
+  return calls::prefetch_columns(*connection_, scene, points, options, progress);
+}
+Result<PrefetchReport> Client::prefetch_points(const std::string& scene,
+                                               const PointSource<double>& source, PointShape shape,
+                                               const PrefetchOptions& options,
+                                               const PrefetchProgress& progress) const {
+  return calls::prefetch_rows(*connection_, scene, source, shape, options, progress);
+}
+Result<PrefetchReport> Client::prefetch_points(const std::string& scene,
+                                               const PointSource<float>& source, PointShape shape,
+                                               const PrefetchOptions& options,
+                                               const PrefetchProgress& progress) const {
+  return calls::prefetch_rows(*connection_, scene, source, shape, options, progress);
+}
+Result<PrefetchReport> Client::prefetch_points(const std::string& scene, const PointGrid& grid,
+                                               const PrefetchOptions& options,
+                                               const PrefetchProgress& progress) const {
+  return calls::prefetch_made(*connection_, scene, grid, options, progress);
 }
 
 }  // namespace sightline::client

@@ -166,6 +166,26 @@ class Client {
   Result<PrefetchReport> prefetch_rays(const std::string& scene, const RayGenerator& generator,
                                        const PrefetchOptions& options = {},
                                        const PrefetchProgress& progress = {}) const;
+  /// As prefetch_rays(), for what nearest() of these points would build. The report counts points
+  /// as rays.
+  Result<PrefetchReport> prefetch_points(const std::string& scene,
+                                         const PointColumns<const double>& points,
+                                         const PrefetchOptions& options = {},
+                                         const PrefetchProgress& progress = {}) const;
+  Result<PrefetchReport> prefetch_points(const std::string& scene,
+                                         const PointColumns<const float>& points,
+                                         const PrefetchOptions& options = {},
+                                         const PrefetchProgress& progress = {}) const;
+  Result<PrefetchReport> prefetch_points(const std::string& scene,
+                                         const PointSource<double>& source, PointShape shape,
+                                         const PrefetchOptions& options = {},
+                                         const PrefetchProgress& progress = {}) const;
+  Result<PrefetchReport> prefetch_points(const std::string& scene, const PointSource<float>& source,
+                                         PointShape shape, const PrefetchOptions& options = {},
+                                         const PrefetchProgress& progress = {}) const;
+  Result<PrefetchReport> prefetch_points(const std::string& scene, const PointGrid& grid,
+                                         const PrefetchOptions& options = {},
+                                         const PrefetchProgress& progress = {}) const;
 
   /// Casts one batch of rays in one message at one revision. Fills the columns of `hits` that are
   /// not empty, one row per ray. The server limits the number of rays in a request; cast_stream

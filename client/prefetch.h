@@ -11,13 +11,13 @@
 namespace sightline::client {
 
 struct PrefetchOptions {
-  /// Builds only for these nodes and their descendants. Empty: all nodes. With rays, at most one.
-  /// Errors: kNotFound, as for `exclude`.
+  /// Builds only for these nodes and their descendants. Empty: all nodes. With rays or points, at
+  /// most one. Errors: kNotFound, as for `exclude`.
   std::vector<std::uint64_t> roots{};
   /// Leaves out these nodes and their descendants.
   std::vector<std::uint64_t> exclude{};
-  /// With rays: builds what a cast of this kind would build. kCount and kAll build all cells on the
-  /// rays' way.
+  /// With rays or points: builds what a query of this kind would build. kCount and kAll build all
+  /// cells on the rays' way, or in the balls of the points.
   QueryKind kind = QueryKind::kClosest;
   /// Cancels the building, which then fails with kCancelled. Built cells stay.
   std::stop_token stop{};
@@ -25,7 +25,7 @@ struct PrefetchOptions {
 
 struct PrefetchReport {
   std::uint64_t revision = 0;  ///< the revision of the scene whose trees are built
-  /// Meshes whose trees are complete; only without rays, like the next three
+  /// Meshes whose trees are complete; only without rays or points, like the next three
   std::uint64_t meshes_done = 0;
   std::uint64_t meshes_total = 0;  ///< distinct meshes
   /// The triangles of the complete meshes, and those in finished leaves of others.

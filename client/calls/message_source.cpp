@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <type_traits>
 #include <utility>
 
 #include "client/wire/cast_codec.h"
@@ -14,11 +15,14 @@ namespace v1 = ::sightline::v1;
 
 namespace {
 
-template <class Request>
-v1::Rays& rows_of(Request& request) {
-  return *request.mutable_rays();
+template <class Shape, class Request>
+auto& rows_of(Request& request) {
+  if constexpr (std::is_same_v<Shape, PointShape>) {
+    return *request.mutable_points();
+  } else {
+    return *request.mutable_rays();
+  }
 }
-v1::Points& rows_of(v1::QueryPointsRequest& request) { return *request.mutable_points(); }
 
 /// The `count` rows from `first` on that the message describes. `mutable_message` and `has_message`
 /// are the request's own.
@@ -46,7 +50,7 @@ MessageSource<Request> messages_of(const RowSource<Columns>& source,
                                    typename Columns::Shape shape) {
   using Scalar = typename Columns::Value;
   return [&source, shape](Request& request) -> Result<std::size_t> {
-    auto& rows = rows_of(request);
+    auto& rows = rows_of<typename Columns::Shape>(request);
     auto count = source(wire::resize_columns<Scalar>(kRaysPerMessage, shape, rows));
     if (count) wire::trim<Scalar>(*count, shape, rows);
     return count;
@@ -77,10 +81,13 @@ template MessageSource<v1::CastRaysRequest> messages_of(const RaySource<float>&,
 template MessageSource<v1::CastRaysRequest> messages_of(const RaySource<double>&, RayShape);
 template MessageSource<v1::PrefetchRequest> messages_of(const RaySource<float>&, RayShape);
 template MessageSource<v1::PrefetchRequest> messages_of(const RaySource<double>&, RayShape);
+template MessageSource<v1::PrefetchRequest> messages_of(const PointSource<float>&, PointShape);
+template MessageSource<v1::PrefetchRequest> messages_of(const PointSource<double>&, PointShape);
 template MessageSource<v1::QueryPointsRequest> messages_of(const PointSource<float>&, PointShape);
 template MessageSource<v1::QueryPointsRequest> messages_of(const PointSource<double>&, PointShape);
 template Result<MessageSource<v1::CastRaysRequest>> messages_of(const RayGenerator&);
 template Result<MessageSource<v1::PrefetchRequest>> messages_of(const RayGenerator&);
+template Result<MessageSource<v1::PrefetchRequest>> messages_of(const PointGrid&);
 template Result<MessageSource<v1::QueryPointsRequest>> messages_of(const PointGrid&);
 
 }  // namespace sightline::client::calls

@@ -97,44 +97,61 @@ Result<PrefetchReport> prefetch_messages(const Connection& connection, const std
 
 }  // namespace
 
-template <class Scalar>
-Result<PrefetchReport> prefetch_rays(const Connection& connection, const std::string& scene,
-                                     const RaySource<Scalar>& source, RayShape shape,
-                                     const PrefetchOptions& options,
+template <class Columns>
+Result<PrefetchReport> prefetch_rows(const Connection& connection, const std::string& scene,
+                                     const RowSource<Columns>& source,
+                                     typename Columns::Shape shape, const PrefetchOptions& options,
                                      const PrefetchProgress& progress) {
   return prefetch_messages(connection, scene, messages_of<v1::PrefetchRequest>(source, shape),
                            options, progress);
 }
 
-Result<PrefetchReport> prefetch_rays(const Connection& connection, const std::string& scene,
-                                     const RayGenerator& generator, const PrefetchOptions& options,
+template <class Generator>
+Result<PrefetchReport> prefetch_made(const Connection& connection, const std::string& scene,
+                                     const Generator& generator, const PrefetchOptions& options,
                                      const PrefetchProgress& progress) {
   const auto source = messages_of<v1::PrefetchRequest>(generator);
   if (!source) return source.error();
   return prefetch_messages(connection, scene, *source, options, progress);
 }
 
-template <class Scalar>
-Result<PrefetchReport> prefetch_rays(const Connection& connection, const std::string& scene,
-                                     const RayColumns<const Scalar>& rays,
-                                     const PrefetchOptions& options,
-                                     const PrefetchProgress& progress) {
-  if (const Status checked = check_rows(rays, HitColumns{}); !checked) return checked.error();
-  return prefetch_rays<Scalar>(connection, scene, source_of(rays), shape_of(rays), options,
-                               progress);
+template <class Rows>
+Result<PrefetchReport> prefetch_columns(const Connection& connection, const std::string& scene,
+                                        const Rows& rows, const PrefetchOptions& options,
+                                        const PrefetchProgress& progress) {
+  if (const Status checked = check_rows(rows, HitColumns{}); !checked) return checked.error();
+  return prefetch_rows(connection, scene, source_of(rows), shape_of(rows), options, progress);
 }
 
-template Result<PrefetchReport> prefetch_rays(const Connection&, const std::string&,
+template Result<PrefetchReport> prefetch_rows(const Connection&, const std::string&,
                                               const RaySource<float>&, RayShape,
                                               const PrefetchOptions&, const PrefetchProgress&);
-template Result<PrefetchReport> prefetch_rays(const Connection&, const std::string&,
+template Result<PrefetchReport> prefetch_rows(const Connection&, const std::string&,
                                               const RaySource<double>&, RayShape,
                                               const PrefetchOptions&, const PrefetchProgress&);
-template Result<PrefetchReport> prefetch_rays(const Connection&, const std::string&,
-                                              const RayColumns<const float>&,
+template Result<PrefetchReport> prefetch_rows(const Connection&, const std::string&,
+                                              const PointSource<float>&, PointShape,
                                               const PrefetchOptions&, const PrefetchProgress&);
-template Result<PrefetchReport> prefetch_rays(const Connection&, const std::string&,
-                                              const RayColumns<const double>&,
+template Result<PrefetchReport> prefetch_rows(const Connection&, const std::string&,
+                                              const PointSource<double>&, PointShape,
                                               const PrefetchOptions&, const PrefetchProgress&);
+template Result<PrefetchReport> prefetch_columns(const Connection&, const std::string&,
+                                                 const RayColumns<const float>&,
+                                                 const PrefetchOptions&, const PrefetchProgress&);
+template Result<PrefetchReport> prefetch_columns(const Connection&, const std::string&,
+                                                 const RayColumns<const double>&,
+                                                 const PrefetchOptions&, const PrefetchProgress&);
+template Result<PrefetchReport> prefetch_columns(const Connection&, const std::string&,
+                                                 const PointColumns<const float>&,
+                                                 const PrefetchOptions&, const PrefetchProgress&);
+template Result<PrefetchReport> prefetch_columns(const Connection&, const std::string&,
+                                                 const PointColumns<const double>&,
+                                                 const PrefetchOptions&, const PrefetchProgress&);
+template Result<PrefetchReport> prefetch_made(const Connection&, const std::string&,
+                                              const RayGenerator&, const PrefetchOptions&,
+                                              const PrefetchProgress&);
+template Result<PrefetchReport> prefetch_made(const Connection&, const std::string&,
+                                              const PointGrid&, const PrefetchOptions&,
+                                              const PrefetchProgress&);
 
 }  // namespace sightline::client::calls

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "client/points.h"
 #include "client/prefetch.h"
 #include "client/ray_generator.h"
 #include "client/result.h"
@@ -14,19 +15,21 @@ struct Connection;
 Result<PrefetchReport> prefetch(const Connection& connection, const std::string& scene,
                                 const PrefetchOptions& options, const PrefetchProgress& progress);
 
-// Scalar is float or double.
-template <class Scalar>
-Result<PrefetchReport> prefetch_rays(const Connection& connection, const std::string& scene,
-                                     const RaySource<Scalar>& source, RayShape shape,
-                                     const PrefetchOptions& options,
+/// Columns are RayColumns or PointColumns of float or double.
+template <class Columns>
+Result<PrefetchReport> prefetch_rows(const Connection& connection, const std::string& scene,
+                                     const RowSource<Columns>& source,
+                                     typename Columns::Shape shape, const PrefetchOptions& options,
                                      const PrefetchProgress& progress);
-template <class Scalar>
-Result<PrefetchReport> prefetch_rays(const Connection& connection, const std::string& scene,
-                                     const RayColumns<const Scalar>& rays,
-                                     const PrefetchOptions& options,
-                                     const PrefetchProgress& progress);
-Result<PrefetchReport> prefetch_rays(const Connection& connection, const std::string& scene,
-                                     const RayGenerator& generator, const PrefetchOptions& options,
+/// Rows are RayColumns or PointColumns of const float or const double.
+template <class Rows>
+Result<PrefetchReport> prefetch_columns(const Connection& connection, const std::string& scene,
+                                        const Rows& rows, const PrefetchOptions& options,
+                                        const PrefetchProgress& progress);
+/// Generator is RayGenerator or PointGrid.
+template <class Generator>
+Result<PrefetchReport> prefetch_made(const Connection& connection, const std::string& scene,
+                                     const Generator& generator, const PrefetchOptions& options,
                                      const PrefetchProgress& progress);
 
 }  // namespace sightline::client::calls

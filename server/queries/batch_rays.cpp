@@ -23,25 +23,37 @@ Status BatchRays::begin(const v1::Rays& columns) {
   return {};
 }
 
-Status BatchRays::begin(const v1::QueryPointsRequest& request) {
-  columns_ = nullptr;
-  points_ = nullptr;
-  if (request.has_grid()) {
-    auto grid = decode_grid(request.grid());
-    if (!grid) return grid.error();
-    if (Status good = check_count(proto::rays::count_of(*grid)); !good) return good;
-    tmin_ = 0;
-    tmax_ = grid->max_distance;
-    mask_ = grid->mask;
-    size_ = proto::rays::count_of(*grid);
-    grid_ = *grid;
-    return {};
-  }
-  const auto count = count_points(request.points());
+Status BatchRays::begin(const v1::Points& columns) {
+  const auto count = count_points(columns);
   if (!count) return count.error();
-  points_ = &request.points();
+  columns_ = nullptr;
+  points_ = &columns;
   size_ = *count;
   return {};
+}
+
+Status BatchRays::begin(const v1::PointGrid& message) {
+  auto grid = decode_grid(message);
+  if (!grid) return grid.error();
+  if (Status good = check_count(proto::rays::count_of(*grid)); !good) return good;
+  columns_ = nullptr;
+  points_ = nullptr;
+  tmin_ = 0;
+  tmax_ = grid->max_distance;
+  mask_ = grid->mask;
+  size_ = proto::rays::count_of(*grid);
+  grid_ = *grid;
+  return {};
+}
+
+Status BatchRays::begin(const v1::QueryPointsRequest& request) {
+  return request.has_grid() ? begin(request.grid()) : begin(request.points());
+}
+
+Status BatchRays::begin(const v1::PrefetchRequest& request) {
+  if (request.has_grid()) return begin(request.grid());
+  if (request.has_points()) return begin(request.points());
+  return request.has_generator() ? begin(request.generator()) : begin(request.rays());
 }
 
 Status BatchRays::begin(const v1::RayGenerator& generator) {

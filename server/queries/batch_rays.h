@@ -28,7 +28,10 @@ class BatchRays {
   Status begin(const v1::RayGenerator& generator);
   /// Points become the origins of rays, max_distance their tmax. Errors: as of count_points() and
   /// decode_grid().
+  Status begin(const v1::Points& columns);
+  Status begin(const v1::PointGrid& grid);
   Status begin(const v1::QueryPointsRequest& request);
+  Status begin(const v1::PrefetchRequest& request);
 
   std::size_t size() const { return size_; }
 

@@ -16,9 +16,11 @@
 namespace sightline::server::queries {
 namespace {
 
-/// The query as a cast request. A cast has at most one root.
-v1::CastRaysRequest query_of(const v1::PrefetchRequest& request) {
-  v1::CastRaysRequest query;
+/// The query of the rays or points. It has at most one root.
+template <class Request>
+Request query_of(const v1::PrefetchRequest& request) {
+  Request query;
+  query.set_scene(request.scene());
   query.set_kind(request.kind());
   query.set_build(v1::BUILD_MODE_LAZY);
   if (request.roots_size() == 1) query.set_root(request.roots(0));
@@ -27,8 +29,12 @@ v1::CastRaysRequest query_of(const v1::PrefetchRequest& request) {
   return query;
 }
 
+bool has_points(const v1::PrefetchRequest& request) {
+  return request.has_points() || request.has_grid();
+}
+
 bool has_rays(const v1::PrefetchRequest& request) {
-  return request.has_rays() || request.has_generator();
+  return request.source_case() != v1::PrefetchRequest::SOURCE_NOT_SET;
 }
 
 std::uint64_t bytes_of_tree(const scenegraph::instances::SceneTree& tree) {
@@ -41,7 +47,9 @@ std::uint64_t bytes_of_tree(const scenegraph::instances::SceneTree& tree) {
 Status PrefetchJob::open(const v1::PrefetchRequest& request) {
   if (Status good = scenes::check_scene_name(request.scene()); !good) return good;
   if (Status good = check_roots(request); !good) return good;
-  auto query = decode_query(query_of(request), services_.policy);
+  auto query = has_points(request)
+                   ? decode_query(query_of<v1::QueryPointsRequest>(request), services_.policy)
+                   : decode_query(query_of<v1::CastRaysRequest>(request), services_.policy);
   if (!query) return query.error();
   if (Status good = check_shard(*query, services_); !good) return good;
   query_ = std::move(*query);
@@ -68,8 +76,26 @@ Status PrefetchJob::open(const v1::PrefetchRequest& request) {
   (*scene)->touch();
   snapshot_ = (*scene)->snapshot();
   revision_ = (*scene)->token(snapshot_->revision());
-  if (is_sharded()) open_sharded(request, query_of(request));
+  if (is_sharded()) open_sharded(request);
   return {};
+}
+
+void PrefetchJob::open_sharded(const v1::PrefetchRequest& request) {
+  if (!has_rays_) {
+    asked_for_trees_ = request;
+    return;
+  }
+  // Lists build what counts build.
+  const shards::ShardedCast::Query query{.kind = query_.kind == scenegraph::QueryKind::kAll
+                                                     ? scenegraph::QueryKind::kCount
+                                                     : query_.kind};
+  if (query_.points) {
+    cast_ = std::make_unique<shards::ShardedCast>(services_.shard_peers, context_,
+                                                  query_of<v1::QueryPointsRequest>(request), query);
+  } else {
+    cast_ = std::make_unique<shards::ShardedCast>(services_.shard_peers, context_,
+                                                  query_of<v1::CastRaysRequest>(request), query);
+  }
 }
 
 Status PrefetchJob::check_roots(const v1::PrefetchRequest& request) {
@@ -77,7 +103,7 @@ Status PrefetchJob::check_roots(const v1::PrefetchRequest& request) {
   if (request.roots_size() <= limit) return {};
   return Error{Code::kInvalidArgument,
                fmt::format("the request has {} roots, the limit is {}{}", request.roots_size(),
-                           limit, has_rays(request) ? " where it has rays" : ""),
+                           limit, has_rays(request) ? " where it has rays or points" : ""),
                "TOO_MANY_ROOTS"};
 }
 
@@ -122,6 +148,7 @@ Status PrefetchJob::grow() {
   }
   const scenegraph::TraceOptions options{.kind = query_.kind,
                                          .growth = query_.growth,
+                                         .points = query_.points,
                                          .selection = selection ? &*selection : nullptr,
                                          .cancelled = &cancelled_};
   return scenegraph::grow_for_rays(*snapshot_, rays_, options, progress_);

@@ -76,7 +76,7 @@ class PrefetchJob {
   Status build();
   Status grow();
   void report_own(v1::PrefetchResponse& response);
-  void open_sharded(const v1::PrefetchRequest& request, const v1::CastRaysRequest& query);
+  void open_sharded(const v1::PrefetchRequest& request);
   Status ask_for_trees(std::function<void()> answered, bool& asked);
   Status ask_for_rays(const std::function<void()>& answered, bool& asked);
   std::span<const accel::geometry::Ray> next_rays() const;
@@ -87,7 +87,7 @@ class PrefetchJob {
   const Clock::time_point begun_ = Clock::now();
   CastQuery query_;
   std::vector<scenegraph::model::NodeId> roots_;
-  bool has_rays_ = false;
+  bool has_rays_ = false;  // or points
   std::vector<accel::geometry::Ray> rays_;
   exec::Quotas::Use quota_;
   exec::Admission::Ticket ticket_;

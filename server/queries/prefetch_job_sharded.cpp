@@ -10,21 +10,6 @@
 namespace sightline::server::queries {
 
 using accel::geometry::Ray;
-using scenegraph::QueryKind;
-
-void PrefetchJob::open_sharded(const v1::PrefetchRequest& request,
-                               const v1::CastRaysRequest& query) {
-  if (!has_rays_) {
-    asked_for_trees_ = request;
-    return;
-  }
-  v1::CastRaysRequest cast = query;
-  cast.set_scene(request.scene());
-  // Lists build what counts build.
-  const QueryKind kind = query_.kind == QueryKind::kAll ? QueryKind::kCount : query_.kind;
-  cast_ = std::make_unique<shards::ShardedCast>(services_.shard_peers, context_, cast,
-                                                shards::ShardedCast::Query{.kind = kind});
-}
 
 Status PrefetchJob::ask(std::function<void()> answered, bool& asked) {
   if (cancelled_.load(std::memory_order_relaxed))

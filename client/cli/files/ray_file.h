@@ -12,6 +12,7 @@
 
 #include "client/cast_options.h"
 #include "client/cli/files/row_layout.h"
+#include "client/points.h"
 #include "client/result.h"
 
 namespace sightline::client::cli::files {
@@ -30,6 +31,14 @@ struct RayFile {
   /// at the end, and earlier if no ray came for kLongestPause; it goes on when it is read again.
   std::function<Result<bool>()> wait{};
 };
+
+/// The points of such a source, which must outlive them.
+template <class Scalar>
+PointSource<Scalar> as_points(const RaySource<Scalar>& source) {
+  return [&source](const PointColumns<Scalar>& buffer) {
+    return source({buffer.positions, {}, {}, buffer.max_distance, buffer.masks});
+  };
+}
 
 /// Rays that come one by one, from a reader.
 RayFile live_ray_file(std::shared_ptr<RowReader> reader, bool has_interval);

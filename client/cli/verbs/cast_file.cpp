@@ -91,14 +91,6 @@ Result<files::HitFile> open_hits(const CastFileRequest& request, const files::Ra
   return files::HitFile::open(request.out, request.columns, options);
 }
 
-/// Points of a source that fills origins and tmax.
-template <class Scalar>
-PointSource<Scalar> as_points(const RaySource<Scalar>& source) {
-  return [&source](const PointColumns<Scalar>& buffer) {
-    return source({buffer.positions, {}, {}, buffer.max_distance, buffer.masks});
-  };
-}
-
 struct Cast {
   const Client& client;
   const CastRequest& request;
@@ -134,7 +126,7 @@ struct Cast {
       return client.cast_stream(request.scene, source, rays.shape, request.fields, sink,
                                 request.options);
     }
-    return client.nearest_stream(request.scene, as_points(source),
+    return client.nearest_stream(request.scene, files::as_points(source),
                                  {.max_distance = rays.shape.interval, .masks = rays.shape.masks},
                                  request.fields, sink, request.options);
   }

@@ -27,7 +27,7 @@ struct PrefetchArguments {
   std::string scene;
   std::vector<std::string> under;
   std::vector<std::string> exclude;
-  std::string rays;
+  std::string rays, points;
   std::string kind;
   bool view = false;
   picture::CameraRequest camera;
@@ -43,11 +43,11 @@ struct PrefetchOutcome {
 };
 
 PrefetchOptions options_of(const PrefetchArguments& arguments, const std::stop_token& stop) {
-  const bool has_rays = !arguments.rays.empty() || arguments.view;
+  const bool has_rays = !arguments.rays.empty() || !arguments.points.empty() || arguments.view;
   if (!has_rays && !arguments.kind.empty())
-    throw CLI::ValidationError("--kind", "only --rays and --view have it");
+    throw CLI::ValidationError("--kind", "only --rays, --points and --view have it");
   if (has_rays && arguments.under.size() > 1)
-    throw CLI::ValidationError("--under", "with --rays or --view it takes one node");
+    throw CLI::ValidationError("--under", "with --rays, --points or --view it takes one node");
   PrefetchOptions options{.stop = stop};
   if (!arguments.kind.empty()) options.kind = kQueryKinds.at(arguments.kind);
   return options;
@@ -78,17 +78,22 @@ Result<PrefetchReport> build(const Client& client, const PrefetchArguments& argu
     BuildingBar bar(proto::rays::count_of(rays));
     return client.prefetch_rays(arguments.scene, rays, options, follow(bar));
   }
-  if (arguments.rays.empty()) {
+  if (arguments.rays.empty() && arguments.points.empty()) {
     BuildingBar bar;
     return client.prefetch(arguments.scene, options, follow(bar));
   }
-  auto rays = files::open_rays(arguments.rays, options.stop);
+  auto rays = arguments.rays.empty() ? files::open_points(arguments.points, options.stop)
+                                     : files::open_rays(arguments.rays, options.stop);
   if (!rays) return rays.error();
   files::wait_out_pauses(*rays);
   BuildingBar bar(rays->count.value_or(0));
   return std::visit(
       [&](const auto& source) {
-        return client.prefetch_rays(arguments.scene, source, rays->shape, options, follow(bar));
+        if (!arguments.rays.empty())
+          return client.prefetch_rays(arguments.scene, source, rays->shape, options, follow(bar));
+        return client.prefetch_points(arguments.scene, files::as_points(source),
+                                      {rays->shape.interval, rays->shape.masks}, options,
+                                      follow(bar));
       },
       rays->source);
 }
@@ -171,6 +176,7 @@ Examples:
   sightline prefetch engine
   sightline prefetch hall --under 12 40 --exclude 41
   sightline prefetch engine --rays rays.npy --json
+  sightline prefetch engine --points scan.ply
   sightline prefetch engine --view --size 640x480)";
 
 std::string of(std::uint64_t part, std::uint64_t whole) {
@@ -193,15 +199,20 @@ void add_prefetch_verb(CLI::App& program, Session& session) {
   verb.add_option("--rays", arguments->rays,
                   "Only what casting these rays would build; a file as cast takes it")
       ->type_name("FILE");
+  verb.add_option("--points", arguments->points,
+                  "Only what finding the faces nearest to these points would build; a file as "
+                  "nearest takes it")
+      ->type_name("FILE")
+      ->excludes("--rays");
   verb.add_flag("--view", arguments->view,
                 "Only what a picture of this camera would build; the next five as render has them")
-      ->excludes("--rays");
+      ->excludes("--rays", "--points");
   add_camera_flags(verb, arguments->camera, arguments->size);
   for (const char* flag : {"--size", "--eye", "--at", "--fov", "--up"})
     verb.get_option(flag)->needs("--view");
   verb.add_option("--kind", arguments->kind,
-                  "What the rays will be cast for: all and count build all that is on their way "
-                  "(default closest)")
+                  "What the rays or points will be asked for: all and count build all that is on "
+                  "their way (default closest)")
       ->check(CLI::IsMember(kQueryKinds).description(""))
       ->type_name("closest|any|all|count");
   verb.footer(kPrefetchFooter);

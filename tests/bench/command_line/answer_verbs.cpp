@@ -29,6 +29,7 @@ Verb add_verb_nearest(CLI::App& app) {
       ->check(CLI::IsMember({"near", "volume", "far", "touch"}));
   verb.add_option("--count", options->count, "How many points of each kind")
       ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000'000}));
+  verb.add_flag("--sorted", options->sorted, "Points in an order of neighbours, not at random");
   return [options](const CommonOptions& common) { return run_nearest(common, *options); };
 }
 

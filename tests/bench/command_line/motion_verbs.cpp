@@ -87,6 +87,8 @@ Verb add_verb_remote(CLI::App& app) {
           "that the server makes")
       ->delimiter(',')
       ->check(CLI::IsMember({"rich", "t", "bits", "generated"}));
+  verb.add_flag("--points", options->points,
+                "The faces nearest to the rays' origins instead; none of generated rays");
   verb.add_flag("--echo", options->echo, "And casts of one ray beside an echo service");
   return [options](const CommonOptions& common) { return run_remote(common, *options); };
 }

@@ -70,13 +70,13 @@ client::Result<client::CastReport> cast_sent(const client::Client& client,
                                              std::vector<double>& batch_us) {
   const std::size_t n = rays.size();
   std::vector<Clock::time_point> filled(n / load.batch + 1);
-  const client::RaySource<float> source =
+  client::RaySource<float> source =
       [&, sent = std::size_t{0}](
           const client::RayColumns<float>& out) mutable -> client::Result<std::size_t> {
     const std::size_t count = std::min(load.batch, n - sent);
     if (count > 0) filled[sent / load.batch] = Clock::now();
     const auto take = [&](auto from, auto to, std::size_t width) {
-      if (!from.empty()) std::copy_n(from.data() + width * sent, width * count, to.data());
+      if (!from.empty() && !to.empty()) std::copy_n(from.data() + width * sent, width * count, to.data());
     };
     take(rays.origins, out.origins, 3);
     take(rays.directions, out.directions, 3);
@@ -98,8 +98,16 @@ client::Result<client::CastReport> cast_sent(const client::Client& client,
                                  .barycentric = !hits.barycentric.empty(),
                                  .normal = !hits.normal.empty(),
                                  .hit_bits = !hits.hit_bits.empty()};
-  return client.cast_stream(kRemoteScene, source, {.interval = !rays.tmin.empty()}, fields, sink,
-                            options_of(load.answer));
+  const bool limited = !rays.tmin.empty();
+  if (!load.points) {
+    return client.cast_stream(kRemoteScene, source, {.interval = limited}, fields, sink,
+                              options_of(load.answer));
+  }
+  const client::PointSource<float> points = [&](const client::PointColumns<float>& out) {
+    return source({out.positions, {}, {}, out.max_distance, {}});
+  };
+  return client.nearest_stream(kRemoteScene, points, {.max_distance = limited}, fields, sink,
+                               options_of(load.answer));
 }
 
 client::Result<client::CastReport> cast_part(const RemoteRays& rays, const RemoteLoad& load,

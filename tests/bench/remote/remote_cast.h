@@ -39,6 +39,7 @@ struct RemoteLoad {
   int clients = 1;           ///< Each with a connection and a stream of its own.
   std::size_t batch = 8192;  ///< Rays of a message, at most client::kRaysPerMessage.
   RemoteAnswer answer = RemoteAnswer::kRich;
+  bool points = false;  ///< Asks for the faces nearest to the rays' origins, within tmax.
 };
 
 /// Casts all rays, each client an equal part of them. `batch_us` gets the time from each message's

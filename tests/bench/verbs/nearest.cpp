@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "scenegraph/query/point_order.h"
+#include "scenegraph/sides.h"
 #include "tests/bench/verbs/contenders.h"
 #include "tests/bench/verbs/verbs.h"
 #include "tests/bench/verbs/workload.h"
@@ -104,7 +106,7 @@ Status check(const tests::BruteNearest& oracle, std::span<const Vec3d> points,
 }
 
 struct Times {
-  double ours = 0, embree = 0;
+  double ours = 0, sides = 0, embree = 0;
   scenegraph::TraceStats stats;  // of one pass over all points
 };
 
@@ -112,7 +114,18 @@ double per_point(std::uint64_t number, std::size_t points) {
   return static_cast<double>(number) / static_cast<double>(points);
 }
 
-/// Seconds for all points, the least of each chunk.
+/// The points along the curve that batches of points are sorted by.
+std::vector<Vec3d> sorted(std::span<const Vec3d> points) {
+  std::vector<Ray> rays;
+  for (const Vec3d& p : points) rays.push_back({.origin = p, .direction = {1, 0, 0}});
+  const scenegraph::query::OrderedPoints ordered(
+      accel::geometry::columns_of(std::span<const Ray>(rays)));
+  std::vector<Vec3d> result;
+  for (const std::uint32_t i : ordered.order) result.push_back(points[i]);
+  return result;
+}
+
+/// Seconds for all points, the least of each chunk. Sides are those of one parity ray.
 Times measure(const scenegraph::revision::Snapshot& snapshot, EmbreePeer* embree,
               std::span<const Vec3d> points, int repeat, std::span<Hit> ours,
               std::span<Hit> theirs) {
@@ -122,20 +135,28 @@ Times measure(const scenegraph::revision::Snapshot& snapshot, EmbreePeer* embree
   options.points = true;
   options.surface = false;
   Times sum;
+  std::vector<scenegraph::Side> sides;
   for (std::size_t first = 0; first < points.size(); first += kChunk) {
     const std::size_t count = std::min(kChunk, points.size() - first);
-    Times least{HUGE_VAL, HUGE_VAL, {}};
+    Times least{HUGE_VAL, HUGE_VAL, HUGE_VAL, {}};
+    sides.resize(count);
+    const auto chunk =
+        accel::geometry::columns_of(std::span<const Ray>(rays).subspan(first, count));
     for (int i = 0; i <= repeat; ++i) {
       const Stopwatch clock;
       const auto traced = scenegraph::trace(snapshot, std::span(rays).subspan(first, count),
                                             ours.subspan(first, count), options);
       least.ours = std::min(least.ours, clock.seconds());
       if (traced && i == 0) sum.stats += *traced;
+      const Stopwatch of_sides;
+      const auto found = scenegraph::find_sides(snapshot, chunk, {}, {.sides = sides}, options);
+      if (found) least.sides = std::min(least.sides, of_sides.seconds());
       if (embree == nullptr) continue;
       least.embree = std::min(least.embree, embree->nearest(points.subspan(first, count),
                                                             theirs.subspan(first, count)));
     }
     sum.ours += least.ours;
+    sum.sides += least.sides;
     sum.embree += least.embree;
   }
   return sum;
@@ -166,6 +187,7 @@ Result<std::vector<Row>> run_nearest(const CommonOptions& common, const NearestO
     std::vector<Vec3d> points;
     for (std::size_t i = 0; i < options.count; ++i)
       points.push_back(make_point(world, kind, random));
+    if (options.sorted) points = sorted(points);
     std::vector<Hit> ours(points.size()), theirs(points.size());
     const Times times = measure(**snapshot, embree.get(), points, common.repeat, ours, theirs);
     const std::size_t checked = std::min(kChecked, points.size());
@@ -174,9 +196,11 @@ Result<std::vector<Row>> run_nearest(const CommonOptions& common, const NearestO
     Row row;
     row["scene"] = common.scene;
     row["points"] = kind;
+    row["order"] = options.sorted ? "sorted" : "random";
     row["count"] = points.size();
     row["threads"] = common.threads;
     row["mpoints_per_s"] = static_cast<double>(points.size()) / times.ours * 1e-6;
+    row["signed_over_unsigned"] = 1 + times.sides / times.ours;
     row["steps_per_point"] = per_point(times.stats.traversal_steps, points.size());
     row["tests_per_point"] = per_point(times.stats.triangle_tests, points.size());
     row["checked"] = checked;

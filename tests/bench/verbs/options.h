@@ -98,6 +98,7 @@ struct ExactnessOptions {
 struct NearestOptions {
   std::vector<std::string> kinds{"near", "volume", "far"};
   std::size_t count = 100'000;  ///< The number of points of each kind.
+  bool sorted = false;          ///< Points that follow each other are near each other.
 };
 
 struct RobustOptions {
@@ -166,7 +167,8 @@ struct RemoteOptions {
   int clients = 1;           ///< Each with a connection and a stream of its own.
   std::size_t batch = 8192;  ///< Rays of a message.
   std::vector<std::string> columns{"rich", "t", "bits", "generated"};
-  bool echo = false;  ///< And the latency of one ray, beside an echo service.
+  bool points = false;  ///< Asks for the faces nearest to the rays' origins; none are generated.
+  bool echo = false;    ///< And the latency of one ray, beside an echo service.
 };
 
 struct ChartOptions {

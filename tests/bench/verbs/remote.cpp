@@ -56,10 +56,11 @@ struct Measured {
   std::size_t rays = 0;
 };
 
-scenegraph::TraceOptions options_of(RemoteAnswer answer) {
-  return {.kind = answer == RemoteAnswer::kBits ? scenegraph::QueryKind::kAny
-                                                : scenegraph::QueryKind::kClosest,
-          .surface = answer == RemoteAnswer::kRich};
+scenegraph::TraceOptions options_of(const RemoteLoad& load) {
+  return {.kind = load.answer == RemoteAnswer::kBits ? scenegraph::QueryKind::kAny
+                                                     : scenegraph::QueryKind::kClosest,
+          .surface = load.answer == RemoteAnswer::kRich,
+          .points = load.points};
 }
 
 /// In process and remote take turns.
@@ -70,7 +71,7 @@ Status measure(const scenegraph::revision::Snapshot& snapshot, const PeerProcess
   measured.rays = rays.in_process.size();
   const auto in_process = [&] {
     const auto traced =
-        scenegraph::trace(snapshot, rays.in_process, expected, options_of(load.answer));
+        scenegraph::trace(snapshot, rays.in_process, expected, options_of(load));
     return traced ? Status() : Status(traced.error());
   };
   const auto remote = [&] { return cast_remotely(rays, load, hits, measured.batch_us); };
@@ -94,6 +95,7 @@ Row row_of(const CommonOptions& common, const RemoteOptions& options, const Case
   Row row;
   row["scene"] = common.scene;
   row["rays"] = kind.generated ? "picture" : options.rays.kind;
+  row["asks"] = options.points ? "points" : "rays";
   row["count"] = measured.rays;
   row["columns"] = kind.name;
   row["threads"] = common.threads;
@@ -135,11 +137,13 @@ Result<std::vector<Row>> run_remote(const CommonOptions& common, const RemoteOpt
     if (std::find(options.columns.begin(), options.columns.end(), kind.name) ==
         options.columns.end())
       continue;
+    if (options.points && kind.generated) continue;
     Measured measured;
     const RemoteLoad load{.endpoint = (*server)->endpoint(),
                           .clients = options.clients,
                           .batch = options.batch,
-                          .answer = kind.answer};
+                          .answer = kind.answer,
+                          .points = options.points};
     const Status done = measure(**snapshot, **server, kind.generated ? picture : sent, load,
                                 common.repeat, measured);
     if (!done) return done.error();

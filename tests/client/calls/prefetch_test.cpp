@@ -52,6 +52,25 @@ TEST_F(Prefetch, BuildsEverythingAndReportsIt) {
   EXPECT_EQ(cells_of_cast(DownwardRays(100, kSheets)), 0U);
 }
 
+TEST_F(Prefetch, PointsBuildWhatTheyNeed) {
+  const std::vector<double> positions{0.2, 0.2, 0.1, 0.7, 0.3, 0.1};
+  const PointColumns<const double> points{positions};
+  const auto built = client_.prefetch_points(kScene, points);
+  ASSERT_TRUE(built) << built.error().message;
+  EXPECT_EQ(built->rays_done, 2U);
+  std::vector<double> distances(2);
+  const auto report = client_.nearest(kScene, points, {.t = distances});
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->cells_expanded, 0U);
+  const std::vector<float> singles(positions.begin(), positions.end());
+  EXPECT_EQ(client_.prefetch_points(kScene, PointColumns<const float>{singles})->cells_expanded,
+            0U);
+  const PointGrid grid{
+      .origin = {0, 0, 0.1}, .across = {1, 0, 0}, .down = {0, 0.5, 0}, .columns = 7, .rows = 2};
+  EXPECT_EQ(client_.prefetch_points(kScene, grid)->rays_done, 14U);
+  EXPECT_EQ(client_.prefetch_points(kScene, points, {.roots = {99}}).error().code, Code::kNotFound);
+}
+
 TEST_F(Prefetch, RootsAndExclusionsOmitTrees) {
   EXPECT_EQ(client_.prefetch(kScene, {.roots = {2, 3}, .exclude = {1}})->meshes_total, 0U);
   EXPECT_EQ(triangles_built(), 0U);

@@ -12,6 +12,7 @@
 
 #include "server/queries/prefetch_job.h"
 #include "server/queries/ray_codec.h"
+#include "tests/server/queries/points_rpc.h"
 #include "tests/server/support/live_server.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/compare_hits.h"
@@ -56,10 +57,8 @@ void expect_grown(const v1::PrefetchResponse& before, const v1::PrefetchResponse
   EXPECT_LE(after.rays_done(), after.rays_total());
 }
 
-class PrefetchRpcTest : public LiveServer {
+class PrefetchRpcTest : public PointsRpc {
  protected:
-  using LiveServer::LiveServer;
-
   /// Reads to the end. `last` receives the last report.
   grpc::Status prefetch(const v1::PrefetchRequest& request, v1::PrefetchResponse* last = nullptr) {
     grpc::ClientContext context;
@@ -189,6 +188,40 @@ TEST_F(PrefetchRpcTest, BuildsOnlyTheCellsThatRaysEnter) {
   EXPECT_LT(stats.triangles_built(), stats.triangles_total() / 4) << "the rays meet one corner";
   EXPECT_EQ(last.bytes_trees(), 0u);
   EXPECT_EQ(cells_of_cast(cast_request(kScene, rays)), 0u);
+}
+
+TEST_F(PrefetchRpcTest, BuildsWhatQueriesOfPointsNeed) {
+  api_.make_scene(kScene, planar_sheet(64));
+  std::vector<double> positions;
+  for (int i = 0; i < 20; ++i) positions.insert(positions.end(), {0.01 * i, 0.01 * i, 0.02});
+  const v1::QueryPointsRequest query = points_request(positions);
+  v1::PrefetchRequest request = prefetch_of(kScene);
+  *request.mutable_points() = query.points();
+  const v1::PrefetchResponse last = prefetched(request);
+  EXPECT_EQ(last.rays_done(), 20u);
+  EXPECT_EQ(last.rays_total(), 20u);
+  EXPECT_GT(last.cells_expanded(), 0u);
+  const v1::GetSceneStatsResponse stats = api_.stats(kScene);
+  EXPECT_GT(stats.triangles_built(), 0u);
+  EXPECT_LT(stats.triangles_built(), stats.triangles_total() / 4) << "the points are at one corner";
+  EXPECT_EQ(answer(query).stats().cells_expanded(), 0u);
+}
+
+TEST_F(PrefetchRpcTest, BuildsWhatAGridOfPointsNeeds) {
+  api_.make_scene(kScene, planar_sheet(64));
+  v1::QueryPointsRequest query = points_request({});
+  v1::PointGrid& grid = *query.mutable_grid();
+  for (const double x : {0.0, 0.0, 0.1}) grid.add_origin(x);
+  for (const double x : {0.02, 0.0, 0.0}) grid.add_across(x);
+  for (const double x : {0.0, 0.02, 0.0}) grid.add_down(x);
+  grid.set_columns(5);
+  grid.set_rows(4);
+  v1::PrefetchRequest request = prefetch_of(kScene);
+  *request.mutable_grid() = grid;
+  EXPECT_EQ(prefetched(request).rays_done(), 20u);
+  EXPECT_EQ(answer(query).stats().cells_expanded(), 0u);
+  request.mutable_grid()->set_columns(0);
+  EXPECT_EQ(prefetch(request).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
 }
 
 TEST_F(PrefetchRpcTest, TheKindDecidesHowFarRaysGo) {
