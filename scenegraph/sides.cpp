@@ -3,7 +3,6 @@
 #include "scenegraph/sides.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <string>
@@ -22,32 +21,6 @@ using accel::geometry::HitState;
 using accel::geometry::RayColumns;
 using accel::geometry::Vec3d;
 
-/// The directions of side rays, of length 1: heights and angles are two sequences whose first n
-/// numbers are spread evenly, for any n (Roberts 2018, R2). They are not axes nor diagonals.
-/// Angles are turned by products alone: sine and cosine differ between libraries.
-std::array<Vec3d, kMaxSideRays> make_directions() {
-  constexpr double kHeightStep = 0.7548776662466927;
-  // The cosine and sine of 0.5698402909980532 turns.
-  constexpr double kCosine = -0.9052538583630299, kSine = -0.4248711003573289;
-  std::array<Vec3d, kMaxSideRays> directions;
-  double height = 0.5, x = 1, y = 0;
-  for (Vec3d& direction : directions) {
-    height += kHeightStep;
-    if (height >= 1) height -= 1;
-    const double turned = x * kCosine - y * kSine;
-    y = x * kSine + y * kCosine;
-    x = turned;
-    const double z = 1 - 2 * height, radius = std::sqrt(1 - z * z);
-    direction = {radius * x, radius * y, z};
-  }
-  return directions;
-}
-
-const Vec3d& direction_of(std::uint32_t ray) {
-  static const std::array<Vec3d, kMaxSideRays> kDirections = make_directions();
-  return kDirections[ray];
-}
-
 Status check(const SideQuestion& question, const RayColumns& points, const SideAnswers& answers) {
   const std::uint32_t most = question.rule == SideRule::kNormal ? 1 : kMaxSideRays;
   if (question.rays % 2 == 0 || question.rays > most) {
@@ -57,11 +30,13 @@ Status check(const SideQuestion& question, const RayColumns& points, const SideA
                  "SIDE_RAYS"};
   }
   const std::size_t votes = answers.votes.empty() ? points.size : answers.votes.size();
-  if (answers.sides.size() == points.size && votes == points.size) return {};
+  const std::size_t all = question.rule == SideRule::kNormal ? 0 : points.size * question.rays;
+  const std::size_t crossings = answers.crossings.empty() ? all : answers.crossings.size();
+  if (answers.sides.size() == points.size && votes == points.size && crossings == all) return {};
   return Error{Code::kInvalidArgument,
                std::to_string(points.size) + " points, but room for " +
-                   std::to_string(answers.sides.size()) + " sides and " + std::to_string(votes) +
-                   " votes",
+                   std::to_string(answers.sides.size()) + " sides, " + std::to_string(votes) +
+                   " votes and " + std::to_string(crossings) + " crossings",
                "COUNT_MISMATCH"};
 }
 
@@ -88,15 +63,21 @@ class Votes {
       if (Status counted = count(Culling::kFront, backs_); !counted) return counted;
     }
     for (std::size_t i = 0; i < inside_.size(); ++i)
-      inside_[i] += static_cast<std::uint8_t>(is_inside(rule, i));
+      inside_[i] += static_cast<std::uint8_t>(says_inside(rule, crossings(rule, i)));
     return {};
+  }
+
+  /// Of the last ray of a point.
+  std::uint32_t crossings(SideRule rule, std::size_t point) const {
+    const std::uint32_t met = tallies_[point].count;
+    return rule == SideRule::kParity ? met : met - backs_[point].count;
   }
 
   Side side(std::size_t point, std::uint32_t rays) const {
     const HitState state = states_[point];
     if (state == HitState::kInvalid) return Side::kInvalid;
     if (state == HitState::kUnanswered) return Side::kUnanswered;
-    return 2 * inside_[point] > rays ? Side::kInside : Side::kOutside;
+    return majority(inside_[point], rays);
   }
   std::uint8_t votes(std::size_t point) const { return inside_[point]; }
   const TraceStats& stats() const { return stats_; }
@@ -115,11 +96,6 @@ class Votes {
     return {};
   }
 
-  bool is_inside(SideRule rule, std::size_t point) const {
-    const std::uint32_t met = tallies_[point].count;
-    return rule == SideRule::kParity ? met % 2 == 1 : met != backs_[point].count;
-  }
-
   const revision::Snapshot& snapshot_;
   RayColumns rays_;
   TraceOptions options_;
@@ -134,16 +110,23 @@ Result<TraceStats> count_sides(const revision::Snapshot& snapshot, const RayColu
                                const TraceOptions& options) {
   const query::OrderedPoints ordered(points);
   Votes votes(snapshot, ordered.columns, options);
-  for (std::uint32_t ray = 0; ray < question.rays; ++ray) {
-    if (const Status cast = votes.cast(question.rule, direction_of(ray)); !cast)
+  const std::uint32_t rays = question.rays;
+  for (std::uint32_t ray = 0; ray < rays; ++ray) {
+    if (const Status cast = votes.cast(question.rule, side_direction(ray)); !cast)
       return cast.error();
+    if (answers.crossings.empty()) continue;
+    for (std::size_t i = 0; i < points.size; ++i)
+      answers.crossings[std::size_t{ordered.order[i]} * rays + ray] =
+          votes.crossings(question.rule, i);
   }
   for (std::size_t i = 0; i < points.size; ++i) {
     const std::size_t at = ordered.order[i];
-    const Side side = std::isnan(points.tmax[at]) ? Side::kInvalid : votes.side(i, question.rays);
+    const Side side = std::isnan(points.tmax[at]) ? Side::kInvalid : votes.side(i, rays);
     answers.sides[at] = side;
     const bool answered = side == Side::kInside || side == Side::kOutside;
     if (!answers.votes.empty()) answers.votes[at] = answered ? votes.votes(i) : 0;
+    if (!answers.crossings.empty() && !answered)
+      std::ranges::fill(answers.crossings.subspan(at * rays, rays), 0u);
   }
   return votes.stats();
 }

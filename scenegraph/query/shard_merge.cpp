@@ -5,6 +5,7 @@
 #include <cassert>
 #include <limits>
 #include <tuple>
+#include <utility>
 
 namespace sightline::scenegraph::query {
 namespace {
@@ -23,6 +24,12 @@ std::uint32_t sum_of_work(std::uint32_t a, std::uint32_t b) {
 }
 
 }  // namespace
+
+std::vector<ShardQuestion> with_rays(std::vector<ShardQuestion> by_shard) {
+  for (std::uint32_t shard = 0; shard < by_shard.size(); ++shard) by_shard[shard].shard = shard;
+  std::erase_if(by_shard, [](const ShardQuestion& q) { return q.rays.empty(); });
+  return by_shard;
+}
 
 void ShardMerge::begin(const ShardCut& cut, QueryKind kind, std::span<const Ray> rays,
                        std::uint32_t max_hits, bool points) {
@@ -85,8 +92,7 @@ std::vector<ShardQuestion> ShardMerge::next() {
     }
     if (way.next < way.end) questions[order_[way.next++]].rays.push_back(i);
   }
-  for (std::uint32_t shard = 0; shard < questions.size(); ++shard) questions[shard].shard = shard;
-  std::erase_if(questions, [](const ShardQuestion& q) { return q.rays.empty(); });
+  questions = with_rays(std::move(questions));
   if (questions.empty() && !finished_) finish();
   return questions;
 }

@@ -19,6 +19,9 @@ struct ShardQuestion {
   std::vector<std::uint32_t> rays{};  ///< Their indices in the batch, ascending.
 };
 
+/// The questions of all shards, of which the i-th is for shard i, without those that have no rays.
+std::vector<ShardQuestion> with_rays(std::vector<ShardQuestion> by_shard);
+
 /// Merges the answers of shards. After begin(), call next() until it returns nothing; each of its
 /// questions is answered by take() or lose(). Closest and any ask the shards of a ray one after the
 /// other, as the ray enters them; count and all ask all at once. The answers are those of trace(),

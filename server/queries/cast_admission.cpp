@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "scenegraph/query/shard_sides.h"
 #include "server/queries/derived_columns.h"
 #include "server/queries/hit_codec.h"
 #include "server/queries/side_columns.h"
@@ -36,6 +37,13 @@ Status CastAdmission::admit(std::size_t request_bytes, const CastQuery& query, s
                              rays, query.max_hits, rays * query.max_hits, kMaxHitsPerReply),
                  "TOO_MANY_HITS"};
   }
+  if (query.crossings && rays * query.sides->rays > scenegraph::query::kMaxCrossings) {
+    return Error{
+        Code::kInvalidArgument,
+        fmt::format("{} points with the crossings of {} rays each are {}, the limit is {}", rays,
+                    query.sides->rays, rays * query.sides->rays, scenegraph::query::kMaxCrossings),
+        "TOO_MANY_CROSSINGS"};
+  }
   const std::size_t bytes = bytes_of(request_bytes, query, rays, sharded);
   if (lists(query)) {
     auto all_hits = services_.all_hits_admission.admit(caller_, rays, bytes);
@@ -59,12 +67,14 @@ std::size_t CastAdmission::bytes_of(std::size_t request_bytes, const CastQuery& 
   const std::size_t listed = lists(query) ? std::min(rays * query.max_hits, kMaxHitsPerReply) : 0;
   std::size_t bytes = request_bytes + decoded * kSliceBytesPerRay + rays * kReplyBytesPerRay +
                       derived_bytes(query, lists(query) ? listed : rays);
-  if (query.sides) bytes += side_bytes(rays, decoded);
+  if (query.sides) bytes += side_bytes(query, rays, decoded);
   if (lists(query))
     bytes += hit_pager_bytes(rays, query.max_hits, services_.compute.threads(), first_list());
   if (sharded) {
     bytes += rays * shards::kShardedBytesPerRay +
              listed * shards::kShardedBytesPerHit * services_.shard_peers.size();
+    if (query.sides)
+      bytes += shards::sharded_side_bytes(rays, *query.sides, services_.shard_peers.size());
   }
   return bytes;
 }

@@ -30,7 +30,7 @@ class CastAdmission {
 
   /// Books a batch of `rays`, whose request has `request_bytes`. `sharded`: peers answer it.
   /// Errors: as Quotas::begin_work and Admission::admit; kInvalidArgument if one reply cannot hold
-  /// all hits.
+  /// all hits, or there are more than kMaxCrossings.
   Status admit(std::size_t request_bytes, const CastQuery& query, std::size_t rays, bool sharded);
   /// Frees what the batch has booked.
   void release();

@@ -56,14 +56,7 @@ Status CastJob::open(const v1::CastRaysRequest& request) {
 
 Status CastJob::open(const v1::QueryPointsRequest& request) {
   if (Status opened = open_query(request); !opened) return opened;
-  if (!is_for_all_shards(query_, services_)) return {};
-  if (query_.sides) {
-    return Error{Code::kFailedPrecondition,
-                 "this server leaves queries to the servers of its shards, and sides of points are "
-                 "not merged: ask for other fields, or a server without --shard-peers",
-                 "SIDES_ARE_NOT_SHARDED"};
-  }
-  open_sharded(request);
+  if (is_for_all_shards(query_, services_)) open_sharded(request);
   return {};
 }
 
@@ -316,7 +309,7 @@ Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
   if (answered_ == 0) {
     resize_columns(query_.fields, batch_.size(), batch_.size(), reply);
     derived_.begin(*snapshot_, query_.points, reply);
-    sides_.begin(reply);
+    sides_.begin(reply, query_, batch_.size());
     reply.clear_unanswered();
   }
   const std::size_t count = std::min(batch_.size() - answered_, rays_per_slice(query_));
@@ -407,6 +400,7 @@ void CastJob::rest() {
   derived_ = {};
   sides_ = {};
   pager_ = {};
+  if (is_sharded()) sharded_->rest();
 }
 
 std::string CastJob::slow_description() const {

@@ -57,7 +57,6 @@ class CastJob {
   /// Finds the scene and decodes the query. Errors: kInvalidArgument, kNotFound,
   /// kFailedPrecondition (a shard of another number than this server has peers).
   Status open(const v1::CastRaysRequest& request);
-  /// As for rays; kFailedPrecondition, too, for sides where this server has peers for shards.
   Status open(const v1::QueryPointsRequest& request);
   const std::shared_ptr<scenes::StoredScene>& scene() const { return scene_; }
   const exec::Caller& caller() const { return caller_; }
@@ -126,6 +125,7 @@ class CastJob {
   std::size_t sharded_part() const;
   Status write_sharded(v1::CastRaysResponse& reply);
   Status write_sharded_hits(v1::CastRaysResponse& reply);
+  void write_sharded_sides(const accel::geometry::HitColumns& hits, v1::CastRaysResponse& reply);
   Status write_sharded_lists(v1::CastRaysResponse& reply);
   void push(exec::Slice slice);
   bool is_immediate() const;

@@ -1,6 +1,7 @@
 // Batches that the servers of the shards trace: their questions are asked, and their answers
 // merged.
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 #include "scenegraph/query/selection.h"
@@ -11,6 +12,7 @@
 
 namespace sightline::server::queries {
 
+using accel::geometry::Hit;
 using accel::geometry::HitColumns;
 using accel::geometry::HitState;
 using accel::geometry::Ray;
@@ -23,7 +25,9 @@ void CastJob::open_sharded(const Request& request) {
       shards::ShardedCast::Query{.kind = query_.kind,
                                  .surface = query_.surface,
                                  .max_hits = query_.max_hits,
-                                 .allow_partial = query_.allow_partial});
+                                 .allow_partial = query_.allow_partial,
+                                 .sides = query_.sides,
+                                 .sides_alone = query_.sides_alone});
 }
 
 template void CastJob::open_sharded(const v1::CastRaysRequest& request);
@@ -128,16 +132,45 @@ Status CastJob::write_sharded_hits(v1::CastRaysResponse& reply) {
   }
   HitColumns hits = view_hits(reply, 0, batch_.size());
   derived_.add_sources(hits);
+  sides_.begin(reply, query_, batch_.size());
+  sides_.add_sources(hits);
+  if (query_.sides_alone) {
+    write_sharded_sides(hits, reply);
+    return {};
+  }
   if (hits.bits != nullptr)
     std::fill_n(hits.bits, (hits.size + kRaysPerBitsByte - 1) / kRaysPerBitsByte, std::uint8_t{0});
   std::vector<HitState> states;
   states.reserve(hits.size);
   for (std::size_t i = 0; i < hits.size; ++i) {
-    hits.set(i, answers.hits()[i]);
-    states.push_back(answers.hits()[i].state);
+    Hit hit = answers.hits()[i];
+    // By normals, nearest faces were asked for at any distance.
+    if (query_.sides && hit.t > rays_[i].tmax) hit = {.work = hit.work};
+    hits.set(i, hit);
+    states.push_back(hit.state);
   }
   mark_unanswered(states, 0, batch_.size(), reply);
+  if (query_.sides) {
+    stats_.hits = static_cast<std::uint64_t>(std::ranges::count(states, HitState::kHit));
+    write_sharded_sides(hits, reply);
+  }
   return derived_.write(accel::geometry::columns_of(std::span<const Ray>(rays_)), hits, 0);
+}
+
+/// Writes the sides, and counts points: one has its answer when it has its side and, if that is
+/// asked, its nearest face.
+void CastJob::write_sharded_sides(const HitColumns& hits, v1::CastRaysResponse& reply) {
+  const scenegraph::query::ShardSides& answers = sharded_->sides();
+  sides_.write(answers.sides(), answers.votes(), hits, 0);
+  mark_unanswered(answers.sides(), 0, batch_.size(), reply);
+  if (query_.sides_alone) stats_.hits = 0;
+  stats_.invalid =
+      static_cast<std::uint64_t>(std::ranges::count(answers.sides(), scenegraph::Side::kInvalid));
+  stats_.unanswered = 0;
+  for (const char byte : reply.unanswered())
+    stats_.unanswered +=
+        static_cast<std::uint64_t>(std::popcount(static_cast<unsigned char>(byte)));
+  stats_.rays = batch_.size() - stats_.unanswered;
 }
 
 Status CastJob::write_sharded_lists(v1::CastRaysResponse& reply) {

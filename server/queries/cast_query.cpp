@@ -102,7 +102,8 @@ const FieldsOfKind& fields_of(QueryKind kind) {
   return kClosest;
 }
 
-constexpr std::array kSideFields{v1::HIT_FIELD_SIGNED, v1::HIT_FIELD_INSIDE, v1::HIT_FIELD_VOTES};
+constexpr std::array kSideFields{v1::HIT_FIELD_SIGNED, v1::HIT_FIELD_INSIDE, v1::HIT_FIELD_VOTES,
+                                 v1::HIT_FIELD_CROSSINGS};
 
 /// The fields of a kind for points: closest faces have sides, too.
 const FieldsOfKind& fields_of_points(QueryKind kind) {
@@ -223,6 +224,18 @@ Result<CastQuery> decode_common(const Request& request, Growth policy, FieldsOf 
 
 bool is_of_sides(v1::HitField field) { return contains(kSideFields, field); }
 
+/// Checks fields that only some questions of sides have.
+Status check_side_fields(const CastQuery& query, SideRule rule) {
+  const bool crossings = contains(query.fields, v1::HIT_FIELD_CROSSINGS);
+  if (rule == SideRule::kNormal && (crossings || contains(query.fields, v1::HIT_FIELD_VOTES)))
+    return exec::invalid_argument(
+        "SIDE_RULE_NORMAL casts no rays, so there is no HIT_FIELD_VOTES or HIT_FIELD_CROSSINGS",
+        "FIELD_NOT_OF_RULE");
+  if (!crossings || query.shard) return {};
+  return exec::invalid_argument("HIT_FIELD_CROSSINGS is of shards, and the request names none",
+                                "NO_SHARD_NAMED");
+}
+
 Result<SideRule> decode_side_rule(v1::SideRule rule) {
   switch (rule) {
     case v1::SIDE_RULE_UNSPECIFIED:
@@ -257,14 +270,11 @@ Status decode_sides(const v1::QueryPointsRequest& request, CastQuery& query) {
                     question.rays, most),
         "SIDE_RAYS");
   }
-  if (*rule == SideRule::kNormal && contains(query.fields, v1::HIT_FIELD_VOTES)) {
-    return exec::invalid_argument("SIDE_RULE_NORMAL casts no rays, so there is no HIT_FIELD_VOTES",
-                                  "FIELD_NOT_OF_RULE");
-  }
+  if (Status good = check_side_fields(query, *rule); !good) return good;
   query.sides = question;
-  query.sides_alone = std::none_of(query.fields.begin(), query.fields.end(), [](v1::HitField f) {
-    return f != v1::HIT_FIELD_INSIDE && f != v1::HIT_FIELD_VOTES;
-  });
+  query.crossings = contains(query.fields, v1::HIT_FIELD_CROSSINGS);
+  query.sides_alone = !contains(query.fields, v1::HIT_FIELD_SIGNED) &&
+                      std::all_of(query.fields.begin(), query.fields.end(), is_of_sides);
   return {};
 }
 

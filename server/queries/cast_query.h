@@ -42,9 +42,11 @@ struct CastQuery {
   std::optional<ShardOf> shard{};  ///< Only what is in it exists. Unset: everything.
   bool allow_partial = false;
   bool points = false;  ///< Whether it asks for the faces nearest to points.
-  /// How the sides of points are found, if `fields` has signed distances, insides or votes.
+  /// How the sides of points are found, if `fields` has signed distances, insides, votes or
+  /// crossings.
   std::optional<scenegraph::SideQuestion> sides{};
   bool sides_alone = false;  ///< Whether `fields` has nothing that needs the nearest faces.
+  bool crossings = false;    ///< Whether `fields` has crossings.
 
   bool selects() const { return root != 0 || !excluded.empty() || shard; }
 };
@@ -52,8 +54,8 @@ struct CastQuery {
 /// Checks and decodes the query. `policy` is used for an unspecified build mode. Errors:
 /// kInvalidArgument (an unknown kind, field, build mode or culling; a repeated field; a field or
 /// limit that the kind does not have; a number or rule of sides that does not exist, or without
-/// their fields; kMaxMaxHits or kMaxExclusions exceeded; a shard whose index is not below its
-/// count).
+/// their fields; crossings without a shard; kMaxMaxHits or kMaxExclusions exceeded; a shard whose
+/// index is not below its count).
 Result<CastQuery> decode_query(const v1::CastRaysRequest& request, scenegraph::Growth policy);
 Result<CastQuery> decode_query(const v1::QueryPointsRequest& request, scenegraph::Growth policy);
 

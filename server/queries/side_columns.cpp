@@ -19,22 +19,26 @@ double signed_distance(double distance, Side side) {
 
 }  // namespace
 
-std::size_t side_bytes(std::size_t points, std::size_t slice) {
+std::size_t side_bytes(const CastQuery& query, std::size_t points, std::size_t slice) {
   constexpr std::size_t kReply = sizeof(double) + 2;
   // A slice keeps each point a second time, in order, with its index, two tallies, a distance, and
-  // what is found.
+  // what is found. It has as many crossings as others have points.
   constexpr std::size_t kSlice = sizeof(accel::geometry::Ray) + sizeof(std::uint64_t) +
-                                 2 * sizeof(scenegraph::RayTally) + 2 * sizeof(double);
-  return points * kReply + slice * kSlice;
+                                 2 * sizeof(scenegraph::RayTally) + 2 * sizeof(double) +
+                                 sizeof(std::uint32_t);
+  const std::size_t crossings = query.crossings ? query.sides->rays * sizeof(std::uint32_t) : 0;
+  return points * (kReply + crossings) + slice * kSlice;
 }
 
-void SideColumns::begin(v1::CastRaysResponse& reply) {
-  signed_ = inside_ = votes_ = nullptr;
+void SideColumns::begin(v1::CastRaysResponse& reply, const CastQuery& query, std::size_t points) {
+  signed_ = inside_ = votes_ = crossings_ = nullptr;
   for (v1::HitColumn& column : *reply.mutable_columns()) {
     if (column.field() == v1::HIT_FIELD_SIGNED) signed_ = column.mutable_data();
     if (column.field() == v1::HIT_FIELD_INSIDE) inside_ = column.mutable_data();
     if (column.field() == v1::HIT_FIELD_VOTES) votes_ = column.mutable_data();
+    if (column.field() == v1::HIT_FIELD_CROSSINGS) crossings_ = column.mutable_data();
   }
+  if (crossings_ != nullptr) crossings_->resize(points * query.sides->rays * sizeof(std::uint32_t));
 }
 
 void SideColumns::add_sources(accel::geometry::HitColumns& hits) {
@@ -50,21 +54,32 @@ Result<scenegraph::TraceStats> SideColumns::write(const scenegraph::revision::Sn
                                                   const accel::geometry::HitColumns& hits,
                                                   std::size_t first) {
   sides_.resize(points.size);
-  std::span<std::uint8_t> votes;
-  if (votes_ != nullptr)
-    votes = {reinterpret_cast<std::uint8_t*>(votes_->data()) + first, points.size};
-  auto found = scenegraph::find_sides(snapshot, points, question, {sides_, votes}, options);
+  votes_of_.resize(votes_ != nullptr ? points.size : 0);
+  crossings_of_.resize(crossings_ != nullptr ? points.size * question.rays : 0);
+  auto found = scenegraph::find_sides(snapshot, points, question,
+                                      {sides_, votes_of_, crossings_of_}, options);
   if (!found) return found;
-  static_assert(sizeof(Side) == 1);
-  if (inside_ != nullptr) std::memcpy(inside_->data() + first, sides_.data(), sides_.size());
-  if (signed_ == nullptr) return found;
-  for (std::size_t i = 0; i < sides_.size(); ++i) {
-    double distance;
-    std::memcpy(&distance, hits.t.at(i), sizeof(distance));
-    distance = signed_distance(distance, sides_[i]);
-    std::memcpy(signed_->data() + (first + i) * sizeof(distance), &distance, sizeof(distance));
+  write(sides_, votes_of_, hits, first);
+  if (crossings_ != nullptr) {
+    const std::size_t bytes_per_point = question.rays * sizeof(std::uint32_t);
+    std::memcpy(crossings_->data() + first * bytes_per_point, crossings_of_.data(),
+                points.size * bytes_per_point);
   }
   return found;
+}
+
+void SideColumns::write(std::span<const Side> sides, std::span<const std::uint8_t> votes,
+                        const accel::geometry::HitColumns& hits, std::size_t first) {
+  static_assert(sizeof(Side) == 1);
+  if (inside_ != nullptr) std::memcpy(inside_->data() + first, sides.data(), sides.size());
+  if (votes_ != nullptr) std::memcpy(votes_->data() + first, votes.data(), votes.size());
+  if (signed_ == nullptr) return;
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    double distance;
+    std::memcpy(&distance, hits.t.at(i), sizeof(distance));
+    distance = signed_distance(distance, sides[i]);
+    std::memcpy(signed_->data() + (first + i) * sizeof(distance), &distance, sizeof(distance));
+  }
 }
 
 }  // namespace sightline::server::queries

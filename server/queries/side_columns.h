@@ -12,18 +12,21 @@
 #include "proto/result.h"
 #include "scenegraph/revision/snapshot.h"
 #include "scenegraph/sides.h"
+#include "server/queries/cast_query.h"
 #include "sightline/v1/query.pb.h"
 
 namespace sightline::server::queries {
 
-/// Most bytes that sides add to a reply of `points`, and to a slice of it.
-std::size_t side_bytes(std::size_t points, std::size_t slice);
+/// Most bytes that the sides of the query, which asks for some, add to a reply of `points`, and to
+/// a slice of it.
+std::size_t side_bytes(const CastQuery& query, std::size_t points, std::size_t slice);
 
 /// Writes the columns of one reply after the other.
 class SideColumns {
  public:
-  /// Begins a reply, whose columns have their final size, and which outlives its rows.
-  void begin(v1::CastRaysResponse& reply);
+  /// Begins a reply to `points`, which outlives its rows. Its columns have their final size, but
+  /// for crossings, which get it here.
+  void begin(v1::CastRaysResponse& reply, const CastQuery& query, std::size_t points);
 
   /// Gives `hits` the distances that signed ones follow from, if those are not asked for.
   void add_sources(accel::geometry::HitColumns& hits);
@@ -36,14 +39,20 @@ class SideColumns {
                                        const scenegraph::TraceOptions& options,
                                        const accel::geometry::HitColumns& hits, std::size_t first);
 
-  /// Those of the last write().
+  /// Writes these sides and votes in the same way, but no crossings.
+  void write(std::span<const scenegraph::Side> sides, std::span<const std::uint8_t> votes,
+             const accel::geometry::HitColumns& hits, std::size_t first);
+
+  /// Those of the last write() of a revision's.
   std::span<const scenegraph::Side> sides() const { return sides_; }
 
  private:
   // Columns of the reply; null: not asked for.
-  std::string *signed_ = nullptr, *inside_ = nullptr, *votes_ = nullptr;
+  std::string *signed_ = nullptr, *inside_ = nullptr, *votes_ = nullptr, *crossings_ = nullptr;
   std::vector<double> t_;  // if it is not asked for
   std::vector<scenegraph::Side> sides_;
+  std::vector<std::uint8_t> votes_of_;
+  std::vector<std::uint32_t> crossings_of_;
 };
 
 }  // namespace sightline::server::queries

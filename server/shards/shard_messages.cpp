@@ -17,7 +17,7 @@ using accel::geometry::HitState;
 using accel::geometry::Ray;
 using scenegraph::QueryKind;
 using scenegraph::RayTally;
-using scenegraph::query::ShardMerge;
+using scenegraph::Side;
 using scenegraph::query::ShardQuestion;
 
 /// The HIT of a ray with more hits than max_hits.
@@ -132,11 +132,11 @@ std::size_t read_offsets(Columns& columns, std::vector<RayTally>& tallies) {
 }
 
 template <class Request>
-Request template_of(const Request& asked, QueryKind kind, bool surface) {
+Request template_of(const Request& asked, QueryKind kind, const std::vector<v1::HitField>& fields) {
   Request request;
   request.set_scene(asked.scene());
   request.set_kind(encode(kind));
-  for (const v1::HitField field : fields_of(kind, surface)) request.add_fields(field);
+  for (const v1::HitField field : fields) request.add_fields(field);
   request.set_build(asked.build());
   request.set_root(asked.root());
   *request.mutable_exclude() = asked.exclude();
@@ -147,18 +147,27 @@ Request template_of(const Request& asked, QueryKind kind, bool surface) {
 }  // namespace
 
 v1::CastRaysRequest make_template(const v1::CastRaysRequest& asked, QueryKind kind, bool surface) {
-  v1::CastRaysRequest request = template_of(asked, kind, surface);
+  v1::CastRaysRequest request = template_of(asked, kind, fields_of(kind, surface));
   request.set_culling(asked.culling());
   return request;
 }
 
 v1::QueryPointsRequest make_template(const v1::QueryPointsRequest& asked, QueryKind kind,
                                      bool surface) {
-  return template_of(asked, kind, surface);
+  return template_of(asked, kind, fields_of(kind, surface));
 }
 
-void set_rays(const ShardMerge& merge, const ShardQuestion& question,
-              v1::QueryPointsRequest& request) {
+v1::QueryPointsRequest make_side_template(const v1::QueryPointsRequest& asked,
+                                          const scenegraph::SideQuestion& sides) {
+  std::vector<v1::HitField> fields{v1::HIT_FIELD_INSIDE};
+  if (sides.rule != scenegraph::SideRule::kNormal) fields.push_back(v1::HIT_FIELD_CROSSINGS);
+  v1::QueryPointsRequest request = template_of(asked, QueryKind::kClosest, fields);
+  request.set_side_rule(asked.side_rule());
+  request.set_side_rays(sides.rays);
+  return request;
+}
+
+void set_rays(const RayOf& ray_of, const ShardQuestion& question, v1::QueryPointsRequest& request) {
   v1::Points& points = *request.mutable_points();
   points.set_float64(true);
   points.set_count(question.rays.size());
@@ -167,15 +176,14 @@ void set_rays(const ShardMerge& merge, const ShardQuestion& question,
   points.mutable_max_distance()->reserve(reals);
   points.mutable_masks()->reserve(question.rays.size() * sizeof(std::uint32_t));
   for (const std::uint32_t i : question.rays) {
-    const Ray ray = merge.limited(i);
+    const Ray ray = ray_of(i);
     append(*points.mutable_positions(), ray.origin);
     append(*points.mutable_max_distance(), ray.tmax);
     append(*points.mutable_masks(), ray.mask);
   }
 }
 
-void set_rays(const ShardMerge& merge, const ShardQuestion& question,
-              v1::CastRaysRequest& request) {
+void set_rays(const RayOf& ray_of, const ShardQuestion& question, v1::CastRaysRequest& request) {
   v1::Rays& rays = *request.mutable_rays();
   rays.set_float64(true);
   rays.set_count(question.rays.size());
@@ -186,7 +194,7 @@ void set_rays(const ShardMerge& merge, const ShardQuestion& question,
   rays.mutable_tmax()->reserve(reals);
   rays.mutable_masks()->reserve(question.rays.size() * sizeof(std::uint32_t));
   for (const std::uint32_t i : question.rays) {
-    const Ray ray = merge.limited(i);
+    const Ray ray = ray_of(i);
     append(*rays.mutable_origins(), ray.origin);
     append(*rays.mutable_directions(), ray.direction);
     append(*rays.mutable_tmin(), ray.tmin);
@@ -219,6 +227,28 @@ Result<ShardAnswer> decode(const HitColumns& of_reply, QueryKind kind, std::size
         read_hits(columns, answer.hits);
       }
     }
+  }
+  if (columns.wrong()) return *columns.wrong();
+  return answer;
+}
+
+Result<ShardSideAnswer> decode_sides(const HitColumns& of_reply,
+                                     const scenegraph::SideQuestion& question, std::size_t points) {
+  ShardSideAnswer answer;
+  Columns columns(of_reply);
+  answer.sides.resize(points);
+  bool known = true;
+  columns.read<std::uint8_t>(v1::HIT_FIELD_INSIDE, points, true, [&](auto i, std::uint8_t side) {
+    answer.sides[i] = static_cast<Side>(side);
+    known &= answer.sides[i] == Side::kOutside || answer.sides[i] == Side::kInside ||
+             answer.sides[i] == Side::kInvalid || answer.sides[i] == Side::kUnanswered;
+  });
+  if (!known) columns.fail("a shard's answer has sides that do not exist");
+  if (question.rule != scenegraph::SideRule::kNormal) {
+    answer.crossings.resize(points * question.rays);
+    columns.read<std::uint32_t>(
+        v1::HIT_FIELD_CROSSINGS, answer.crossings.size(), true,
+        [&](auto i, std::uint32_t crossings) { answer.crossings[i] = crossings; });
   }
   if (columns.wrong()) return *columns.wrong();
   return answer;

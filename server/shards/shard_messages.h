@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <variant>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "accel/geometry/ray.h"
 #include "proto/result.h"
 #include "scenegraph/query/shard_merge.h"
+#include "scenegraph/side_rule.h"
 #include "scenegraph/trace_options.h"
 #include "sightline/v1/query.pb.h"
 
@@ -32,12 +34,18 @@ v1::CastRaysRequest make_template(const v1::CastRaysRequest& asked, scenegraph::
                                   bool surface);
 v1::QueryPointsRequest make_template(const v1::QueryPointsRequest& asked,
                                      scenegraph::QueryKind kind, bool surface);
+/// The same for questions to which decode_sides() reads the answers.
+v1::QueryPointsRequest make_side_template(const v1::QueryPointsRequest& asked,
+                                          const scenegraph::SideQuestion& sides);
 
-/// Sets the rays or points of the question, as the merge limits them.
-void set_rays(const scenegraph::query::ShardMerge& merge,
-              const scenegraph::query::ShardQuestion& question, v1::CastRaysRequest& request);
-void set_rays(const scenegraph::query::ShardMerge& merge,
-              const scenegraph::query::ShardQuestion& question, v1::QueryPointsRequest& request);
+/// A ray of the batch as it is asked.
+using RayOf = std::function<accel::geometry::Ray(std::uint32_t ray)>;
+
+/// Sets the rays or points of the question.
+void set_rays(const RayOf& ray_of, const scenegraph::query::ShardQuestion& question,
+              v1::CastRaysRequest& request);
+void set_rays(const RayOf& ray_of, const scenegraph::query::ShardQuestion& question,
+              v1::QueryPointsRequest& request);
 
 using HitColumns = google::protobuf::RepeatedPtrField<v1::HitColumn>;
 
@@ -50,6 +58,16 @@ struct ShardAnswer {
 /// Reads the columns of a reply. Errors: kInternal, naming the column, if it has not what
 /// make_template() asks for.
 Result<ShardAnswer> decode(const HitColumns& columns, scenegraph::QueryKind kind, std::size_t rays);
+
+/// The sides in a reply, see ShardSides::take().
+struct ShardSideAnswer {
+  std::vector<scenegraph::Side> sides;
+  std::vector<std::uint32_t> crossings;
+};
+
+/// Reads the columns of a reply to make_side_template(). Errors: as decode().
+Result<ShardSideAnswer> decode_sides(const HitColumns& columns,
+                                     const scenegraph::SideQuestion& question, std::size_t points);
 
 /// What the reply cost. The counts of rays and hits are not in it: the merge has those.
 scenegraph::TraceStats decode_cost(const v1::CastStats& stats);

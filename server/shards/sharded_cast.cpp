@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <utility>
 
@@ -12,7 +13,9 @@
 
 namespace sightline::server::shards {
 
+using accel::geometry::Ray;
 using scenegraph::QueryKind;
+using scenegraph::query::ShardQuestion;
 
 namespace {
 
@@ -39,6 +42,18 @@ void make_earlier(std::optional<Clock::time_point>& at, Clock::time_point other)
 
 }  // namespace
 
+std::size_t sharded_side_bytes(std::size_t points, const scenegraph::SideQuestion& question,
+                               std::size_t shards) {
+  // A point without its limit, its side and votes.
+  constexpr std::size_t kPoint = sizeof(Ray) + 2;
+  // In a question: its index, coordinates, limit and mask; in the answer: its side, twice.
+  constexpr std::size_t kAsked = 4 + 3 * sizeof(double) + sizeof(double) + 4 + 2;
+  const std::size_t at_a_time = std::min(points, scenegraph::query::kMaxCrossings / question.rays);
+  const std::size_t crossings = at_a_time * question.rays * sizeof(std::uint32_t);
+  // A message is there twice while it is parsed; one is decoded at a time.
+  return points * kPoint + shards * (at_a_time * kAsked + 2 * crossings) + 2 * crossings;
+}
+
 ShardedCast::ShardedCast(const Peers& peers, const grpc::CallbackServerContext& caller,
                          const v1::CastRaysRequest& asked, const Query& query)
     : peers_(peers),
@@ -51,7 +66,9 @@ ShardedCast::ShardedCast(const Peers& peers, const grpc::CallbackServerContext& 
     : peers_(peers),
       caller_(caller),
       query_(query),
-      template_(PointMessages{make_template(asked, query.kind, query.surface), {}}) {}
+      template_(PointMessages{make_template(asked, query.kind, query.surface), {}}),
+      side_template_(query.sides ? PointMessages{make_side_template(asked, *query.sides), {}}
+                                 : PointMessages()) {}
 
 const v1::SceneRevision& ShardedCast::Call::served() const {
   return std::visit([](const auto& of) -> auto& { return of.reply.served(); }, messages);
@@ -66,7 +83,18 @@ const v1::CastStats& ShardedCast::Call::stats() const {
 void ShardedCast::begin(Batch batch) {
   batch_ = std::move(batch);
   cost_ = {};
-  merge_.begin(*batch_.cut, query_.kind, batch_.rays, query_.max_hits,
+  at_sides_ = false;
+  std::span<const Ray> rays = batch_.rays;
+  if (by_normal()) {
+    unlimited_.assign(rays.begin(), rays.end());
+    for (Ray& point : unlimited_) {
+      if (!std::isnan(point.tmax)) point.tmax = accel::geometry::kInfinity;
+    }
+    rays = unlimited_;
+  } else if (query_.sides_alone) {
+    rays = {};
+  }
+  merge_.begin(*batch_.cut, query_.kind, rays, query_.max_hits,
                std::holds_alternative<PointMessages>(template_));
   ask_until_ = batch_.budget_ends;
   wait_until_.reset();
@@ -78,17 +106,40 @@ void ShardedCast::begin(Batch batch) {
   }
 }
 
+bool ShardedCast::by_normal() const {
+  return query_.sides && query_.sides->rule == scenegraph::SideRule::kNormal;
+}
+
+/// The questions for hits or nearest faces, then those for sides.
+std::vector<ShardQuestion> ShardedCast::next() {
+  if (!at_sides_) {
+    std::vector<ShardQuestion> questions = merge_.next();
+    if (!questions.empty() || !query_.sides) return questions;
+    at_sides_ = true;
+    sides_.begin(*batch_.cut, *query_.sides, batch_.rays, merge_.hits());
+  }
+  return sides_.next();
+}
+
 /// Questions for which no time is left have no answer.
-std::vector<scenegraph::query::ShardQuestion> ShardedCast::next_in_time() {
+std::vector<ShardQuestion> ShardedCast::next_in_time() {
   for (;;) {
-    auto questions = merge_.next();
+    std::vector<ShardQuestion> questions = next();
     if (questions.empty() || !ask_until_ || Clock::now() < *ask_until_) return questions;
-    for (const scenegraph::query::ShardQuestion& question : questions) merge_.lose(question);
+    for (const ShardQuestion& question : questions) lose(question);
+  }
+}
+
+void ShardedCast::lose(const ShardQuestion& question) {
+  if (at_sides_) {
+    sides_.lose(question);
+  } else {
+    merge_.lose(question);
   }
 }
 
 bool ShardedCast::ask(std::function<void()> answered) {
-  std::vector<scenegraph::query::ShardQuestion> questions = next_in_time();
+  std::vector<ShardQuestion> questions = next_in_time();
   calls_.clear();
   if (questions.empty()) return false;
   calls_.resize(questions.size());
@@ -99,7 +150,7 @@ bool ShardedCast::ask(std::function<void()> answered) {
     if (wait_until_)
       call.context->set_deadline(std::chrono::system_clock::now() +
                                  std::chrono::ceil<milliseconds>(*wait_until_ - Clock::now()));
-    call.messages = template_;
+    call.messages = at_sides_ ? side_template_ : template_;
     std::visit([&](auto& of) { set_question(call.question, of.request); }, call.messages);
   }
   answered_ = std::move(answered);
@@ -110,15 +161,17 @@ bool ShardedCast::ask(std::function<void()> answered) {
 }
 
 template <class Request>
-void ShardedCast::set_question(const scenegraph::query::ShardQuestion& question,
-                               Request& request) const {
+void ShardedCast::set_question(const ShardQuestion& question, Request& request) const {
   request.mutable_consistency()->set_exact_revision(batch_.revision);
   v1::Shard& shard = *request.mutable_shard();
   shard.set_index(question.shard);
   shard.set_count(batch_.cut->size());
   shard.set_cut(batch_.cut->fingerprint());
   request.set_time_budget_ms(budget_ms());
-  set_rays(merge_, question, request);
+  const auto ray_of = [this](std::uint32_t ray) {
+    return at_sides_ ? batch_.rays[ray] : merge_.limited(ray);
+  };
+  set_rays(ray_of, question, request);
 }
 
 /// The time budget of a peer; 0: none. If it has passed, the shortest one is asked for.
@@ -197,13 +250,18 @@ Status ShardedCast::take() {
 Status ShardedCast::take(const Call& call) {
   if (call.late || may_be_lost(call)) {
     if (!call.late && !query_.allow_partial) return lost(call);
-    merge_.lose(call.question);
+    lose(call.question);
     return {};
   }
   if (!call.status.ok()) return error_of_peer(peers_, call.question.shard, call.status);
+  const Status taken = at_sides_ ? take_sides(call) : take_hits(call);
+  if (taken) cost_ += decode_cost(call.stats());
+  return taken;
+}
+
+Status ShardedCast::take_hits(const Call& call) {
   const auto answer = decode(call.columns(), query_.kind, call.question.rays.size());
   if (!answer) return answer.error();
-  cost_ += decode_cost(call.stats());
   if (query_.kind == QueryKind::kClosest || query_.kind == QueryKind::kAny) {
     merge_.take(call.question, answer->hits);
   } else {
@@ -212,10 +270,24 @@ Status ShardedCast::take(const Call& call) {
   return {};
 }
 
+Status ShardedCast::take_sides(const Call& call) {
+  const auto answer = decode_sides(call.columns(), *query_.sides, call.question.rays.size());
+  if (!answer) return answer.error();
+  sides_.take(call.question, answer->sides, answer->crossings);
+  return {};
+}
+
 scenegraph::TraceStats ShardedCast::stats() const {
   scenegraph::TraceStats stats = merge_.stats();
   stats += cost_;
   return stats;
+}
+
+void ShardedCast::rest() {
+  merge_ = {};
+  sides_ = {};
+  unlimited_ = {};
+  calls_ = {};
 }
 
 }  // namespace sightline::server::shards

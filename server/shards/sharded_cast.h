@@ -17,6 +17,8 @@
 #include "accel/geometry/ray.h"
 #include "proto/result.h"
 #include "scenegraph/query/shard_merge.h"
+#include "scenegraph/query/shard_sides.h"
+#include "scenegraph/side_rule.h"
 #include "server/shards/peers.h"
 #include "server/shards/shard_messages.h"
 #include "sightline/v1/query.pb.h"
@@ -27,6 +29,9 @@ namespace sightline::server::shards {
 inline constexpr std::size_t kShardedBytesPerRay = 512;
 /// What a listed hit takes, for each shard: in its message, and decoded twice.
 inline constexpr std::size_t kShardedBytesPerHit = 192;
+/// What the sides of `points` take beside kShardedBytesPerRay, where `shards` are asked.
+std::size_t sharded_side_bytes(std::size_t points, const scenegraph::SideQuestion& question,
+                               std::size_t shards);
 
 /// Answers that are this much later than the budget of time still count: peers, too, need a moment
 /// to end.
@@ -48,6 +53,8 @@ class ShardedCast {
     /// Rays that a lost shard could change are unanswered; and those that have no answer shortly
     /// before the caller's deadline.
     bool allow_partial = false;
+    std::optional<scenegraph::SideQuestion> sides{};  ///< Of points: that their sides are asked.
+    bool sides_alone = false;                         ///< And nothing else.
   };
 
   struct Batch {
@@ -60,7 +67,8 @@ class ShardedCast {
   };
 
   /// `asked`: the first request of the call. `caller`: the call to this server. It and `peers`
-  /// outlive every batch. Requests of points are answered with those of points.
+  /// outlive every batch. Requests of points are answered with those of points; sides come after
+  /// the nearest faces.
   ShardedCast(const Peers& peers, const grpc::CallbackServerContext& caller,
               const v1::CastRaysRequest& asked, const Query& query);
   ShardedCast(const Peers& peers, const grpc::CallbackServerContext& caller,
@@ -78,10 +86,16 @@ class ShardedCast {
   /// at this revision, and the batch is not partial), what a peer said, kInternal.
   Status take();
 
-  /// The answers, once the batch is done.
+  /// The answers, once the batch is done. With SideRule::kNormal they are the faces at any
+  /// distance, also beyond the limits of points; else, of sides alone, there are none.
   const scenegraph::query::ShardMerge& answers() const { return merge_; }
-  /// The batch's counts of rays and hits, once it is done, and the costs of all shards.
+  /// The sides, if they are asked for, once the batch is done.
+  const scenegraph::query::ShardSides& sides() const { return sides_; }
+  /// The counts of rays and hits in answers(), once the batch is done, and the costs of all shards.
   scenegraph::TraceStats stats() const;
+
+  /// Frees what a large batch has needed. Call it between two batches.
+  void rest();
 
  private:
   struct Call {
@@ -104,16 +118,25 @@ class ShardedCast {
   bool may_be_lost(const Call& call) const;
   Error lost(const Call& call) const;
   Status take(const Call& call);
+  Status take_hits(const Call& call);
+  Status take_sides(const Call& call);
   std::uint32_t budget_ms() const;
+  std::vector<scenegraph::query::ShardQuestion> next();
   std::vector<scenegraph::query::ShardQuestion> next_in_time();
+  void lose(const scenegraph::query::ShardQuestion& question);
+  bool by_normal() const;
 
   const Peers& peers_;
   const grpc::CallbackServerContext& caller_;
   const Query query_;
-  const Messages template_;  // its request is that of all calls
+  const Messages template_;       // its request is that of all calls
+  const Messages side_template_;  // and of those for sides
   Batch batch_;
   std::optional<Clock::time_point> ask_until_, wait_until_;  // the batch's
   scenegraph::query::ShardMerge merge_;
+  std::vector<accel::geometry::Ray> unlimited_;  // by normals: the batch's points
+  bool at_sides_ = false;                        // merge_ is done
+  scenegraph::query::ShardSides sides_;
   scenegraph::TraceStats cost_;
   std::vector<Call> calls_;
   std::function<void()> answered_;

@@ -31,10 +31,12 @@ scenegraph/instances        scenegraph/model scenegraph/hierarchy
 scenegraph/revision         scenegraph/model scenegraph/hierarchy scenegraph/instances
                             proto/result accel/kdtree accel/lazy accel/mesh
 scenegraph/trace_options    accel/geometry accel/lazy
+scenegraph/side_rule        accel/geometry
 scenegraph/query            scenegraph/model scenegraph/instances scenegraph/revision scenegraph/trace_options
+                            scenegraph/side_rule
                             proto/result accel/geometry accel/kdtree accel/wide accel/lazy accel/mesh
 scenegraph/trace            scenegraph/* proto/result accel/geometry accel/kdtree
-scenegraph/*.h              scenegraph/revision scenegraph/trace_options proto/result accel/geometry
+scenegraph/*.h              scenegraph/revision scenegraph/trace_options scenegraph/side_rule proto/result accel/geometry
 scenegraph/query/normal_sides
                             scenegraph/* proto/result accel/geometry
 scenegraph/*.cpp            scenegraph/* proto/result accel/geometry
@@ -56,7 +58,8 @@ server/codec                server/exec server/blobs server/blobs/digest scenegr
 server/scenes               server/exec server/metrics server/store server/blobs server/blobs/digest server/codec
                             scenegraph/scene scenegraph/trace_options scenegraph/model scenegraph/instances
                             scenegraph/revision proto/result accel/kdtree
-server/shards               server/exec server/net scenegraph/query scenegraph/revision scenegraph/trace_options proto/result proto/printable accel/geometry
+server/shards               server/exec server/net scenegraph/query scenegraph/revision scenegraph/trace_options scenegraph/side_rule
+                            proto/result proto/printable accel/geometry
 server/queries              server/exec server/metrics server/scenes server/shards scenegraph/* proto/result accel/geometry proto/rays
 server/updates              server/exec server/store server/blobs server/blobs/digest server/codec server/scenes scenegraph/* proto/result
 server/durable              server/exec server/store server/store/postgres server/blobs server/blobs/digest server/codec server/scenes

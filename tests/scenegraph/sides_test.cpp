@@ -217,6 +217,52 @@ TEST(Sides, OfPartsThatOverlapAreParityOrWinding) {
   EXPECT_EQ(find(*snapshot, points_of(at), {.rule = SideRule::kWinding}).sides, winding);
 }
 
+/// Rays from within cross faces from behind.
+TEST(Sides, AreWhatCrossingsSay) {
+  const std::vector<TestMesh> boxes{tests::box({0, 0, 0}, {2, 2, 2}),
+                                    tests::box({1, 1, 1}, {3, 3, 3})};
+  const std::vector<Ray> points =
+      points_of(std::vector<Vec3d>{{1.5, 1.5, 1.5}, {kNan, 0, 0}, {1.5, 1.5, 50}, {2.5, 2.5, 2.5}});
+  const auto snapshot = snapshot_of(boxes);
+  constexpr std::uint32_t kRays = 5;
+  std::vector<Side> sides(points.size());
+  std::vector<std::uint32_t> crossings(points.size() * kRays);
+  const auto crossed = [&](SideRule rule) {
+    crossings.assign(crossings.size(), 99);
+    EXPECT_TRUE(find_sides(*snapshot, accel::geometry::columns_of(std::span<const Ray>(points)),
+                           {rule, kRays}, {.sides = sides, .crossings = crossings}, {}));
+    return std::span<const std::uint32_t>(crossings);
+  };
+  const auto parity = crossed(SideRule::kParity);
+  for (std::size_t i = 0; i < kRays; ++i) {
+    EXPECT_EQ(parity[i], 2u);
+    EXPECT_EQ(parity[kRays + i], 0u) << "invalid";
+    EXPECT_EQ(parity[2 * kRays + i] % 2, 0u);
+    EXPECT_EQ(parity[3 * kRays + i] % 2, 1u);
+  }
+  const auto winding = crossed(SideRule::kWinding);
+  for (std::size_t i = 0; i < kRays; ++i) {
+    EXPECT_EQ(static_cast<std::int32_t>(winding[i]), -2);
+    EXPECT_EQ(winding[kRays + i], 0u) << "invalid";
+    EXPECT_EQ(winding[2 * kRays + i], 0u);
+    EXPECT_EQ(static_cast<std::int32_t>(winding[3 * kRays + i]), -1);
+  }
+}
+
+TEST(Sides, AreRefusedForAnotherNumberOfCrossings) {
+  const std::vector<Ray> points = points_of(std::vector<Vec3d>{{0, 0, 0}, {1, 0, 0}});
+  std::vector<Side> sides(2);
+  std::vector<std::uint32_t> crossings(7);
+  for (const SideQuestion& question :
+       {SideQuestion{SideRule::kParity, 3}, SideQuestion{SideRule::kNormal, 1}}) {
+    const auto found = find_sides(*snapshot_of(tests::cube()),
+                                  accel::geometry::columns_of(std::span<const Ray>(points)),
+                                  question, {.sides = sides, .crossings = crossings}, {});
+    ASSERT_FALSE(found);
+    EXPECT_EQ(found.error().reason, "COUNT_MISMATCH");
+  }
+}
+
 /// A cube whose sides are nodes of their own, some with turned windings.
 TEST(Sides, AreParitiesOverAllNodes) {
   TestMesh cube = tests::cube();

@@ -103,10 +103,9 @@ class Queries:
 
         The distance is that from a point to a face as it stands in the scene, rounded once to double; a face without
         area is the segment or the point that it is. Returns Nearest, or AllNearest for "all", with the leading shape of
-        the points. Errors: as of cast(), and FailedPrecondition (sides, of a server that shares its scenes with others),
-        Unimplemented (the server is of a version without this query). A point or a max_distance that is NaN, or a point that is
-        infinite, is answered as invalid, and fails nothing. Warnings: PrecisionWarning, points are float32 and so far
-        out that float32 does not hold them well.
+        the points. Errors: as of cast(), and Unimplemented (the server is of a version without this query). A point or
+        a max_distance that is NaN, or a point that is infinite, is answered as invalid, and fails nothing. Warnings:
+        PrecisionWarning, points are float32 and so far out that float32 does not hold them well.
         """
         query = _query.describe(_query.POINTS, self.name, kind, fields, build, None, updates.ids([under])[0],
                                 updates.ids(exclude), max_hits, at_least, revision, time_budget, allow_partial, side,

@@ -7,7 +7,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <functional>
 #include <memory>
 #include <vector>
 
@@ -15,6 +14,7 @@
 #include "scenegraph/scene.h"
 #include "scenegraph/trace.h"
 #include "tests/scenegraph/put_node.h"
+#include "tests/scenegraph/query/three_shards.h"
 #include "tests/scenegraph/random_hierarchy.h"
 #include "tests/support/hard_points.h"
 #include "tests/support/kinds.h"
@@ -28,15 +28,13 @@ using accel::geometry::Hit;
 using accel::geometry::HitState;
 using accel::geometry::Ray;
 using tests::Frames;
+using tests::IsLost;
 using tests::KindAnswers;
+using tests::kNoneLost;
 using tests::put_node;
+using tests::three_cubes;
 
 using SnapshotPointer = std::shared_ptr<const revision::Snapshot>;
-/// Whether a shard does not answer a question.
-using IsLost = std::function<bool(std::uint32_t shard)>;
-
-const IsLost kNoneLost = [](std::uint32_t) { return false; };
-
 /// The servers of the shards, in this process.
 class Shards {
  public:
@@ -237,18 +235,6 @@ TEST(ShardMerge, IsAsTheWholeSceneWithoutInstances) {
   const std::vector<Ray> rays{{.origin = {0, 0, 0}, .direction = {1, 0, 0}},
                               {.origin = {0, 0, 0}, .direction = {0, 0, 0}}};
   expect_shards_as_whole(snapshot, rays);
-}
-
-/// Cubes 1, 2 and 3 at x = 0, 10 and 20: a shard each.
-SnapshotPointer three_cubes() {
-  const auto mesh = tests::mesh_of(tests::cube());
-  std::vector<model::Update> updates;
-  for (int i = 0; i < 3; ++i) {
-    auto put = put_node(-1 - i, 0, mesh);
-    put.parent_from_local.m[3] = 10 * i;
-    updates.emplace_back(put);
-  }
-  return tests::snapshot_of(updates);
 }
 
 /// Through all cubes; through the first to the right; over all; through the last alone.

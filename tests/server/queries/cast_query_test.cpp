@@ -176,5 +176,36 @@ TEST(DecodeQuery, OnlyKindAllHasALimitOfHits) {
   EXPECT_EQ(decode_query(request, {}).error().reason, "LIMIT_NOT_OF_KIND");
 }
 
+v1::QueryPointsRequest crossings_of(v1::SideRule rule) {
+  v1::QueryPointsRequest request;
+  request.add_fields(v1::HIT_FIELD_INSIDE);
+  request.add_fields(v1::HIT_FIELD_CROSSINGS);
+  request.set_side_rule(rule);
+  request.mutable_shard()->set_count(2);
+  return request;
+}
+
+TEST(DecodeQuery, CrossingsAreOfAShard) {
+  v1::QueryPointsRequest request = crossings_of(v1::SIDE_RULE_WINDING);
+  request.set_side_rays(7);
+  const auto query = decode_query(request, {});
+  ASSERT_TRUE(query);
+  EXPECT_TRUE(query->crossings && query->sides_alone);
+  EXPECT_EQ(query->sides->rays, 7u);
+  request.add_fields(v1::HIT_FIELD_SIGNED);
+  EXPECT_FALSE(decode_query(request, {})->sides_alone);
+  request.clear_shard();
+  EXPECT_EQ(decode_query(request, {}).error().reason, "NO_SHARD_NAMED");
+}
+
+TEST(DecodeQuery, CrossingsAreOfRays) {
+  const auto query = decode_query(crossings_of(v1::SIDE_RULE_NORMAL), {});
+  ASSERT_FALSE(query);
+  EXPECT_EQ(query.error().reason, "FIELD_NOT_OF_RULE");
+  v1::CastRaysRequest rays;
+  rays.add_fields(v1::HIT_FIELD_CROSSINGS);
+  EXPECT_EQ(decode_query(rays, {}).error().reason, "FIELD_NOT_OF_KIND");
+}
+
 }  // namespace
 }  // namespace sightline::server::queries

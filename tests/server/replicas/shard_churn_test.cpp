@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <span>
 #include <thread>
 #include <vector>
 
@@ -24,7 +25,23 @@ class ShardChurn : public Shards {
     return Api(connect(address(number % (kServers - 1))));
   }
 
-  /// Half of the casts give up soon.
+  /// Half of the callers give up soon.
+  static void give_up_soon(Random& random, grpc::ClientContext& context) {
+    if (random.below(2) != 0) return;
+    context.set_deadline(std::chrono::system_clock::now() +
+                         std::chrono::microseconds(random.below(6000)));
+  }
+  /// With their sides, by one of the rules.
+  static void ask_points(Random& random, Api& api, std::span<const accel::geometry::Ray> points) {
+    v1::QueryPointsRequest request = nearest_of(v1::QUERY_KIND_CLOSEST, points);
+    request.add_fields(v1::HIT_FIELD_SIGNED);
+    request.set_side_rule(static_cast<v1::SideRule>(1 + random.below(3)));
+    request.set_allow_partial(random.below(2) == 0);
+    grpc::ClientContext context;
+    give_up_soon(random, context);
+    v1::QueryPointsResponse reply;
+    static_cast<void>(api.rays->QueryPoints(&context, request, &reply));
+  }
   void cast(std::uint64_t seed) const {
     Random random(seed);
     Api api = connect_to(seed);
@@ -34,13 +51,11 @@ class ShardChurn : public Shards {
         v1::CastRaysRequest request = cast_of(kind, some);
         request.set_allow_partial(random.below(2) == 0);
         grpc::ClientContext context;
-        if (random.below(2) == 0) {
-          context.set_deadline(std::chrono::system_clock::now() +
-                               std::chrono::microseconds(random.below(6000)));
-        }
+        give_up_soon(random, context);
         v1::CastRaysResponse reply;
         static_cast<void>(api.rays->CastRays(&context, request, &reply));
       }
+      ask_points(random, api, some);
     }
   }
   /// Leaves after none to two of the reports.

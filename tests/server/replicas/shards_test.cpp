@@ -45,15 +45,6 @@ TEST_F(Shards, AnswerPointsAsOneServer) {
   expect_as_one_server(request);
 }
 
-TEST_F(Shards, RefuseSidesOfPoints) {
-  start_shards();
-  make_grid();
-  v1::QueryPointsRequest request = nearest_of(v1::QUERY_KIND_CLOSEST, rays());
-  request.add_fields(v1::HIT_FIELD_INSIDE);
-  v1::QueryPointsResponse reply;
-  EXPECT_EQ(reason_of(api(0).cast(request, &reply)), "SIDES_ARE_NOT_SHARDED");
-}
-
 TEST_F(Shards, AnswerAsOneServerWhereFacesCoincide) {
   start_shards();
   make_scene(12, [](int i) { return at(i % 3 == 0 ? -0.5 : 0, 0, 0); });

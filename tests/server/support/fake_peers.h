@@ -50,7 +50,7 @@ class SlowPeer {
   SlowPeer& operator=(const SlowPeer&) = delete;
   ~SlowPeer() { server_->Shutdown(std::chrono::system_clock::now()); }
 
-  int begun() const { return service_.begun; }          ///< casts
+  int begun() const { return service_.begun; }          ///< casts and queries of points
   int cancelled() const { return service_.cancelled; }  ///< casts
 
  private:
@@ -70,6 +70,11 @@ class SlowPeer {
 
     grpc::ServerUnaryReactor* CastRays(grpc::CallbackServerContext*, const v1::CastRaysRequest*,
                                        v1::CastRaysResponse*) override {
+      return new Cast(*this);
+    }
+    grpc::ServerUnaryReactor* QueryPoints(grpc::CallbackServerContext*,
+                                          const v1::QueryPointsRequest*,
+                                          v1::QueryPointsResponse*) override {
       return new Cast(*this);
     }
 
