@@ -38,7 +38,8 @@ TEST(Scale, DistancesHaveTheUnitThatReadsBest) {
 TEST(Scale, TheFontHasWhatScalesSay) {
   const Scale heat = heat_scale({});
   std::string words =
-      "0123456789.-+e distance units m mm km hatched is no answer " + heat.title + heat.unit;
+      "0123456789.-+e distance clearance units m mm km grey is alone hatched is no answer " +
+      heat.title + heat.unit;
   for (const std::string& note : heat.notes) words += note;
   std::erase(words, ' ');
   for (const char c : words) EXPECT_NE(glyph_of(c), Glyph{}) << c;
