@@ -35,6 +35,7 @@ class ProgramsTest(unittest.TestCase):
         "lidar_scan": ("points of 11520 rays", ("cloud.npy",)),
         "line_of_sight": ("pairs see each other", ()),
         "moving_object": ("forklift at ( 9.0,  0.0): body at 8.00 m", ()),
+        "signed_slice": ("segments, together 5.02 long; a true circle is 5.03", ("outline.npy", "signed.npy")),
         "sun_hours": ("21 December: 8.0 h south of the house, 0.0 h north of it", ()),
         "viewshed": ("are seen from the summit", ("viewshed.npy", "viewshed.pgm")),
         "wall_thickness": ("high z: 0.200 by balls, 0.200 by rays", ()),
@@ -199,6 +200,37 @@ class ClearanceTest(ServerTest):
             self.assertLess(expected[name], metres + 1e-6)
             self.assertLess(beside((point[:2] @ turn)[None], low, high), 1e-9)
         self.assertEqual(scene.info().revision, before + len(angles))
+
+
+class SignedSliceTest(ServerTest):
+    def test_ball(self):
+        signed_slice = recipe("signed_slice")
+        radius, step = 2.0, 0.05
+        vertices, faces = signed_slice.ball(radius)
+        inner = brute.distances(vertices, faces, np.zeros((1, 3)))[0].min()  # the mesh is between two spheres
+        scene = self.scene_of((vertices, faces))
+        for height in (0.0, 0.7, -1.9):
+            grid = signed_slice.sightline.PointGrid(origin=[-2.4, 2.5, height], across=[step, 0, 0], down=[0.002, -step, 0],
+                                                    columns=97, rows=101)
+            signed = signed_slice.slice_of(scene, grid)
+            self.assertEqual(signed.shape, (101, 97))
+            away = np.linalg.norm(grid.positions(), axis=-1)
+            self.assertTrue((away - radius - 1e-6 <= signed).all() and (signed <= away - inner + 1e-6).all())
+            lines = signed_slice.outline(signed)
+            away = np.linalg.norm(signed_slice.place(grid, lines), axis=-1)
+            bend = (1.03 * step) ** 2 / 8 / (radius - 2 * step)  # how far distances along a step are from a straight line
+            self.assertGreater(len(lines), 40)
+            self.assertTrue((inner - bend <= away).all() and (away <= radius + bend).all())
+            _, times = np.unique(lines.reshape(-1, 2), axis=0, return_counts=True)
+            self.assertEqual(set(times), {2})  # each end is that of the next segment: the outline is closed
+
+    def test_squares(self):
+        outline = recipe("signed_slice").outline
+        self.assertEqual(outline(np.array([[-1.0, 3.0], [-1.0, 1.0]])).tolist(), [[[0, 0.25], [1, 0.5]]])
+        self.assertEqual(outline(np.ones((3, 4))).shape, (0, 2, 2))
+        saddle = np.array([[-1.0, 1.0], [1.0, -1.0]])
+        self.assertEqual(outline(saddle - 0.5).tolist(), [[[0, 0.75], [0.25, 1]], [[1, 0.25], [0.75, 0]]])
+        self.assertEqual(outline(saddle + 0.5).tolist(), [[[0.25, 0], [0, 0.25]], [[0.75, 1], [1, 0.75]]])
 
 
 class WallThicknessTest(ServerTest):

@@ -101,8 +101,14 @@ double diagonal_of(const SceneInfo& scene) {
 }
 
 bool has_scale(const PictureRequest& request) {
-  return request.with_scale &&
-         (request.mode == PictureMode::kDepth || request.mode == PictureMode::kHeat);
+  switch (request.mode) {
+    case PictureMode::kDepth:
+    case PictureMode::kHeat:
+    case PictureMode::kClearance:
+      return request.with_scale;
+    default:
+      return false;
+  }
 }
 
 // The size of the view, without the scale.
@@ -110,6 +116,24 @@ PictureSize view_size(const PictureRequest& request) {
   PictureSize size = request.size;
   if (has_scale(request)) size.width -= scale_width(size);
   return size;
+}
+
+// Puts the scale where view_size() left room for it.
+Picture with_scale(Picture picture, const PictureRequest& request) {
+  if (has_scale(request) && scale_width(request.size) > 0)
+    picture.rgb = beside_scale(picture.rgb, request.size, *picture.scale);
+  return picture;
+}
+
+Result<Picture> render_clearance(const Client& client, const SceneInfo& scene,
+                                 const PictureRequest& request, Film& film,
+                                 const std::function<void(double)>& progress) {
+  auto painted =
+      paint_clearance(client, scene, film, request.clearance, request.consistency, progress);
+  if (!painted) return painted.error();
+  return with_scale(
+      {film.develop(), std::move(painted->report), std::move(painted->scale), painted->distances},
+      request);
 }
 
 }  // namespace
@@ -129,6 +153,8 @@ Result<Picture> render_picture(const Client& client, const SceneInfo& scene,
     if (!report) return report.error();
     return Picture{film.develop(), *std::move(report)};
   }
+  if (request.mode == PictureMode::kClearance)
+    return render_clearance(client, scene, request, film, progress);
   Painter painter(film, request.mode);
   const HitSink sink = [&](std::uint64_t first, std::size_t count, const HitView& hits) {
     for (std::size_t i = 0; i < count; ++i) painter.add(first + i, hits, i);
@@ -141,10 +167,7 @@ Result<Picture> render_picture(const Client& client, const SceneInfo& scene,
                           sink, options);
   if (!report) return report.error();
   auto scale = painter.finish(scene.meters_per_unit);
-  Picture picture{film.develop(), *std::move(report), std::move(scale)};
-  if (size.width != request.size.width)
-    picture.rgb = beside_scale(picture.rgb, request.size, *picture.scale);
-  return picture;
+  return with_scale({film.develop(), *std::move(report), std::move(scale)}, request);
 }
 
 Result<std::string> encode_png(std::span<const std::uint8_t> rgb, std::uint32_t width,

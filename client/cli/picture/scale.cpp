@@ -16,7 +16,7 @@ namespace {
 // Lengths in pixels of the font, which are `zoom` pixels of the picture wide.
 constexpr std::uint32_t kBarLeft = 6, kBarWidth = 12, kTickWidth = 3, kTextLeft = 24;
 constexpr std::uint32_t kWidth = 76, kLine = 11, kEdge = 8;
-constexpr std::uint32_t kLeastHeight = 100, kLeastView = 2 * kWidth;
+constexpr std::uint32_t kLeastHeight = 100, kLeastView = 2 * kWidth, kLeastBar = 2 * kGlyphHeight;
 constexpr std::uint32_t kHeightOfZoom = 360;  // a picture's, for each step of zoom
 
 std::uint32_t zoom_of(PictureSize size) {
@@ -92,6 +92,13 @@ void draw_numbers(Panel& panel, const Scale& scale, std::uint32_t top, std::uint
   }
 }
 
+// The first notes, as many as leave room for the colours above them.
+std::vector<std::string> notes_that_fit(std::vector<std::string> notes, std::uint32_t height) {
+  const std::size_t lines = (height - kEdge - kLine - kLeastBar) / kLine;
+  if (notes.size() > lines) notes.resize(lines);
+  return notes;
+}
+
 }  // namespace
 
 Scale depth_scale(const ValueRange& range, double meters_per_unit) {
@@ -162,7 +169,8 @@ std::vector<std::uint8_t> beside_scale(const std::vector<std::uint8_t>& view, Pi
   panel.text(kBarLeft, kEdge, scale.title, ink);
   panel.text(kBarLeft, kEdge + kLine, scale.unit, ink);
   const std::uint32_t top = kEdge + 3 * kLine;
-  const std::uint32_t below = kEdge + kLine * (static_cast<std::uint32_t>(scale.notes.size()) + 1);
+  const std::vector<std::string> notes = notes_that_fit(scale.notes, panel.height() - top);
+  const std::uint32_t below = kEdge + kLine * (static_cast<std::uint32_t>(notes.size()) + 1);
   const std::uint32_t height = panel.height() - top - below;
   for (std::uint32_t y = 0; y < height; ++y) {
     const double position = 1 - static_cast<double>(y) / (height - 1);
@@ -170,7 +178,7 @@ std::vector<std::uint8_t> beside_scale(const std::vector<std::uint8_t>& view, Pi
   }
   draw_numbers(panel, scale, top, height, ink);
   std::uint32_t line = top + height;
-  for (const std::string& note : scale.notes) panel.text(kBarLeft, line += kLine, note, ink);
+  for (const std::string& note : notes) panel.text(kBarLeft, line += kLine, note, ink);
   return rgb;
 }
 

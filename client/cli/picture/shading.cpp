@@ -44,6 +44,10 @@ constexpr std::array<Stop, 6> kHeat{{{0.10, 0.02, 285},
 constexpr std::array<Stop, 5> kDepth{
     {{0.95, 0.05, 95}, {0.80, 0.10, 150}, {0.62, 0.10, 205}, {0.44, 0.11, 255}, {0.26, 0.10, 285}}};
 
+// Within sRGB all along.
+constexpr std::array<Stop, 5> kClearance{
+    {{0.38, 0.14, 22}, {0.51, 0.165, 32}, {0.65, 0.145, 50}, {0.80, 0.125, 75}, {0.95, 0.07, 100}}};
+
 // A fraction of a turn. The golden ratio gives consecutive ids distant hues.
 double hue_turn(std::uint64_t id) {
   constexpr double kGolden = 1 / std::numbers::phi;
@@ -90,6 +94,8 @@ Rgb from_oklch(double lightness, double chroma, double hue) {
 Rgb heat_colour(double s) { return ramp(kHeat, s); }
 
 Rgb depth_colour(double s) { return ramp(kDepth, s); }
+
+Rgb clearance_colour(double s) { return ramp(kClearance, s); }
 
 Rgb node_colour(std::uint64_t id) {
   constexpr std::array<double, 3> kLightness{0.80, 0.70, 0.62};
@@ -183,6 +189,19 @@ std::vector<Rgb> depth_shades(const std::vector<Sample>& samples, const ValueRan
         sample.light < 0 ? behind : times(colour, 0.7 + 0.3 * static_cast<double>(sample.light)));
   }
   return colours;
+}
+
+Rgb clearance_shade(const Sample& sample, const ValueRange& range) {
+  static const Rgb kAlone = from_oklch(0.55, 0, 0);
+  const auto distance = static_cast<double>(sample.value);
+  const Rgb colour =
+      std::isfinite(distance) ? clearance_colour(depth_position(distance, range)) : kAlone;
+  return times(colour, 0.7 + 0.3 * static_cast<double>(sample.light));
+}
+
+Rgb context_shade(double light) {
+  static const Rgb kPlaster = from_oklch(0.88, 0.004, 260);
+  return times(kPlaster, 0.6 + 0.4 * light);
 }
 
 std::vector<Rgb> heat_shades(const std::vector<Sample>& samples, const ValueRange& range) {

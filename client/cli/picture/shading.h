@@ -23,6 +23,10 @@ Rgb heat_colour(double s);
 /// falls evenly.
 Rgb depth_colour(double s);
 
+/// A colour from dark red (0, where things touch) through orange to pale yellow (1). Lightness
+/// rises evenly, and tells the distance to those who see no red.
+Rgb clearance_colour(double s);
+
 /// A colour that is always the same for the same id. Consecutive ids get distant hues.
 Rgb node_colour(std::uint64_t id);
 
@@ -72,6 +76,12 @@ double heat_position(double value, const ValueRange& range);
 
 /// Colours for distances.
 std::vector<Rgb> depth_shades(const std::vector<Sample>& samples, const ValueRange& range);
+
+/// The colour for a distance from everything else; grey where it is infinite.
+Rgb clearance_shade(const Sample& sample, const ValueRange& range);
+
+/// Pale grey, for what is there for orientation alone. `light`: 0 to 1.
+Rgb context_shade(double light);
 
 /// Colours for work. Unbuilt cells stay dark.
 std::vector<Rgb> heat_shades(const std::vector<Sample>& samples, const ValueRange& range);

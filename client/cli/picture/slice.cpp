@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <utility>
 
 #include "client/cli/picture/shading.h"
@@ -16,6 +17,9 @@ constexpr double kLeastIsoPixels = 4;
 
 /// A picture of this height has lines of one pixel.
 constexpr double kHeightOfThinLines = 1000;
+
+/// The width of a stripe of a hatch, in lines.
+constexpr double kStripe = 4;
 
 Rgb blend(const Rgb& below, const Rgb& above, double share) {
   const auto s = static_cast<float>(share);
@@ -33,6 +37,7 @@ class SlicePainter {
   Rgb colour(std::uint32_t x, std::uint32_t y) const {
     const double distance = at(x, y);
     if (std::isnan(distance)) return kUnknown;
+    if (distance == -std::numeric_limits<double>::infinity()) return hatch(x, y);
     const double position = std::clamp(distance / style_.range, -1.0, 1.0);
     const Rgb ground = side_colour(position);
     if (!std::isfinite(distance)) return ground;
@@ -46,6 +51,12 @@ class SlicePainter {
  private:
   static constexpr Rgb kUnknown{0.35F, 0.35F, 0.35F};
   static constexpr Rgb kInk{0, 0, 0};
+
+  /// Stripes from the lower left to the upper right: no scale has them.
+  Rgb hatch(std::uint32_t x, std::uint32_t y) const {
+    const auto stripe = static_cast<std::uint32_t>(std::lround(kStripe * line_));
+    return (x + y) / stripe % 2 == 0 ? Rgb{0.6F, 0.6F, 0.6F} : Rgb{0.35F, 0.35F, 0.35F};
+  }
 
   double at(std::uint32_t x, std::uint32_t y) const {
     return slice_.distances[std::size_t{y} * slice_.size.width + x];
@@ -146,7 +157,7 @@ std::vector<std::uint8_t> paint_slice(const Slice& slice, const SliceStyle& styl
 
 double least_iso(const Slice& slice) { return kLeastIsoPixels * slice.pixel; }
 
-Scale slice_scale(const SliceStyle& style, double meters_per_unit) {
+Scale slice_scale(const SliceStyle& style, double meters_per_unit, bool has_unanswered) {
   Scale scale = depth_scale({style.is_signed ? -style.range : 0, style.range}, meters_per_unit);
   if (style.is_signed) {
     scale.notes = {"blue is", "inside"};
@@ -154,6 +165,7 @@ Scale slice_scale(const SliceStyle& style, double meters_per_unit) {
   } else {
     scale.colour = [](double position) { return side_colour(position); };
   }
+  if (has_unanswered) scale.notes.insert(scale.notes.end(), {"hatched is", "no answer"});
   return scale;
 }
 

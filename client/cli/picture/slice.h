@@ -16,7 +16,7 @@
 
 namespace sightline::client::cli::picture {
 
-/// Distances, row by row from the top.
+/// Distances, row by row from the top. -inf: a point without an answer.
 struct Slice {
   PictureSize size;
   /// The larger step from a pixel to the next. True distances differ by no more than it.
@@ -46,13 +46,14 @@ double range_of(std::span<const double> distances);
 Rgb side_colour(double s);
 
 /// sRGB, (height, width, 3): colours by distance, black at 0, and lines at the multiples of
-/// SliceStyle::iso. Points without a distance are grey.
+/// SliceStyle::iso. Points without a distance are grey, and those without an answer are hatched.
 std::vector<std::uint8_t> paint_slice(const Slice& slice, const SliceStyle& style);
 
 /// The least distance between iso lines that can be told from each other: a few pixels.
 double least_iso(const Slice& slice);
 
-/// The colours of a style, in the unit that depth_scale() takes.
-Scale slice_scale(const SliceStyle& style, double meters_per_unit);
+/// The colours of a style, in the unit that depth_scale() takes. `has_unanswered`: the scale says
+/// what is hatched.
+Scale slice_scale(const SliceStyle& style, double meters_per_unit, bool has_unanswered = false);
 
 }  // namespace sightline::client::cli::picture

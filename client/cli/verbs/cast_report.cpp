@@ -53,15 +53,6 @@ void warn_of_cuts(const CastOutcome& outcome) {
                             outcome.asked == files::RowKind::kRays ? "hits" : "faces"));
 }
 
-void warn_of_unanswered(const CastOutcome& outcome) {
-  if (outcome.cast.unanswered == 0) return;
-  print_warning(
-      fmt::format("{} of {} {} have no answer: there was no time, or a server is lost; what was "
-                  "built for them stays: {} again to go on from there",
-                  format_count(outcome.cast.unanswered), format_count(outcome.cast.rays),
-                  rows_of(outcome), outcome.asked == files::RowKind::kRays ? "cast" : "ask"));
-}
-
 void warn_of_origin_precision(const SceneInfo& scene, const CastOutcome& outcome) {
   if (outcome.float_reach == 0 || !scene.bounds) return;
   const std::string warning =
@@ -70,6 +61,15 @@ void warn_of_origin_precision(const SceneInfo& scene, const CastOutcome& outcome
 }
 
 }  // namespace
+
+void warn_of_unanswered(const CastReport& cast, files::RowKind asked) {
+  if (cast.unanswered == 0) return;
+  print_warning(
+      fmt::format("{} of {} {} have no answer: there was no time, or a server is lost; what was "
+                  "built for them stays: {} again to go on from there",
+                  format_count(cast.unanswered), format_count(cast.rays),
+                  files::layout_of(asked).rows, asked == files::RowKind::kRays ? "cast" : "ask"));
+}
 
 Json json_of_cast(const CastOutcome& outcome, QueryKind kind, const SceneStats& stats) {
   const CastReport& cast = outcome.cast;
@@ -127,7 +127,7 @@ void print_cast_summary(std::FILE* to, const CastOutcome& outcome,
 void print_cast_warnings(const CastOutcome& outcome, const SceneInfo& scene) {
   warn_of_faults(outcome);
   warn_of_cuts(outcome);
-  warn_of_unanswered(outcome);
+  warn_of_unanswered(outcome.cast, outcome.asked);
   warn_of_origin_precision(scene, outcome);
 }
 

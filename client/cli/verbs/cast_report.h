@@ -20,4 +20,7 @@ void print_cast_summary(std::FILE* to, const CastOutcome& outcome,
 /// Prints why rays could not be cast, that hits were cut off, and that float32 is too coarse.
 void print_cast_warnings(const CastOutcome& outcome, const SceneInfo& scene);
 
+/// Prints how many rays or points have no answer, if there are any.
+void warn_of_unanswered(const CastReport& cast, files::RowKind asked);
+
 }  // namespace sightline::client::cli::verbs

@@ -11,7 +11,6 @@
 #include "client/cli/files/format.h"
 #include "client/cli/files/hit_columns.h"
 #include "client/cli/flags.h"
-#include "client/cli/nodes.h"
 #include "client/cli/verbs/cast_file.h"
 #include "client/cli/verbs/cast_report.h"
 
@@ -86,12 +85,8 @@ Result<CastFileRequest> request_of(const Client& client, const QueryArguments& a
   set_sides(arguments.sides, options);
   options.time_budget = std::chrono::milliseconds(arguments.time_budget_ms);
   options.allow_partial = arguments.allow_partial;
-  const auto root = resolve_node(client, arguments.scene, arguments.under);
-  if (!root) return root.error();
-  auto excluded = resolve_nodes(client, arguments.scene, arguments.exclude);
-  if (!excluded) return excluded.error();
-  options.root = *root;
-  options.exclude = *std::move(excluded);
+  if (const Status set = set_nodes(client, arguments.scene, arguments.nodes, options); !set)
+    return set.error();
   return request;
 }
 
@@ -122,8 +117,7 @@ ExitCode report(const Session& session, const Client& client, const QueryArgumen
 
 /// What the flags of a verb say.
 struct FlagWords {
-  const char *in, *out, *out_format, *kind, *fields, *build, *under, *exclude, *max_hits,
-      *time_budget, *allow_partial;
+  const char *in, *out, *out_format, *kind, *fields, *build, *max_hits, *allow_partial;
 };
 
 constexpr FlagWords kWordsOfRays{
@@ -133,11 +127,7 @@ constexpr FlagWords kWordsOfRays{
     "The nearest hit, whether there is one, every hit, or how many there are (default closest)",
     "Columns to write, parted by commas, always in the order below (default: all but hit and work)",
     "Trees to grow: those the rays enter, all first, or none (default: the server's policy)",
-    "Only this node and those under it are seen",
-    "These nodes and those under them are not",
     "How many hits of a ray --kind all keeps, the nearest (default 256)",
-    "Milliseconds on the server; rays without an answer by then are marked, and the exit code is 5 "
-    "(default: no bound)",
     "If one of several servers that share the scene is lost, rays that need it are marked, and the "
     "exit code is 5 (default: the cast fails)"};
 
@@ -149,11 +139,7 @@ constexpr FlagWords kWordsOfPoints{
     "greatest distance (default closest)",
     "Columns to write, parted by commas, always in the order below (default: distance to z)",
     "Trees to grow: those near the points, all first, or none (default: the server's policy)",
-    "Only this node and those under it count",
-    "These nodes and those under them do not",
     "How many faces of a point --kind all keeps, the nearest (default 256)",
-    "Milliseconds on the server; points without an answer by then are marked, and the exit code is "
-    "5 (default: no bound)",
     "If one of several servers that share the scene is lost, points that need it are marked, and "
     "the exit code is 5 (default: the query fails)"};
 
@@ -195,10 +181,7 @@ void add_filters(CLI::App& verb, QueryArguments& arguments, const FlagWords& wor
     add_max_distance(verb, arguments);
     add_side_flags(verb, arguments.sides);
   }
-  verb.add_option("--under", arguments.under, words.under)->check(node_word())->type_name("NODE");
-  verb.add_option("--exclude", arguments.exclude, words.exclude)
-      ->check(node_word())
-      ->type_name("NODE ...");
+  add_node_flags(verb, arguments.asked, arguments.nodes);
   verb.add_option("--max-hits", arguments.max_hits, words.max_hits)
       ->check(CLI::PositiveNumber.description(""))
       ->type_name("N");
@@ -218,9 +201,7 @@ void add_query_flags(CLI::App& verb, QueryArguments& arguments) {
       ->check(CLI::IsMember(kBuilds).description(""))
       ->type_name("lazy|full|none");
   add_filters(verb, arguments, words);
-  verb.add_option("--time-budget", arguments.time_budget_ms, words.time_budget)
-      ->check(CLI::PositiveNumber.description(""))
-      ->type_name("MS");
+  add_time_budget_flag(verb, arguments.asked, arguments.time_budget_ms);
   verb.add_flag("--allow-partial", arguments.allow_partial, words.allow_partial);
   add_consistency_flags(verb, arguments.consistency);
 }

@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "client/cli/files/row_layout.h"
 #include "client/cli/session.h"
 #include "client/cli/terminal.h"
+#include "client/cli/verbs/node_flags.h"
 #include "client/cli/verbs/side_flags.h"
 #include "client/types.h"
 
@@ -31,8 +31,7 @@ struct QueryArguments {
   std::string cull{};                    ///< of rays
   std::optional<double> max_distance{};  ///< of points
   SideArguments sides{};                 ///< of points
-  std::string under{};
-  std::vector<std::string> exclude{};
+  NodeArguments nodes{};
   std::uint32_t max_hits = 0;
   std::uint32_t time_budget_ms = 0;
   bool allow_partial = false;

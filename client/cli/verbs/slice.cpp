@@ -21,6 +21,8 @@
 #include "client/cli/reporting.h"
 #include "client/cli/terminal.h"
 #include "client/cli/verbs/camera_flags.h"
+#include "client/cli/verbs/cast_report.h"
+#include "client/cli/verbs/node_flags.h"
 #include "client/cli/verbs/png_output.h"
 #include "client/cli/verbs/side_flags.h"
 #include "client/cli/verbs/verbs.h"
@@ -36,6 +38,8 @@ struct SliceArguments {
   PictureSize size{1000, 1000};
   std::optional<double> iso, range;
   SideArguments sides;
+  NodeArguments nodes;
+  std::uint32_t time_budget_ms = 0;
   bool is_unsigned = false;
   bool no_scale = false;
   std::string npy;
@@ -49,14 +53,16 @@ is not known) is up in the picture, and a plane that is level is seen from above
 corner of any other frame, --across goes from there to the upper right corner and --down to the lower left one.
 
 Distances are exact, at the middle of each pixel. --npy keeps them as an array (height, width) of f8 in scene
-coordinates, the first row at the top; inf: the scene has no face. Sides are right for scenes that are closed;
-'sightline nearest --help' says which --side suits others.
+coordinates, the first row at the top; inf: the scene has no face, -inf: the point has no answer. What --time-budget
+leaves without an answer is hatched in the picture. Sides are right for scenes that are closed; 'sightline nearest
+--help' says which --side suits others. --x, --y and --z show the frame of the whole scene, also with --under.
 
 Examples:
   sightline slice engine --z 0 --out slice.png --iso 10
   sightline slice engine --x 12.5 --out slice.png --size 1600x900 --npy slice.npy
   sightline slice parts --y 0 --out slice.png --side winding --range 5
   sightline slice terrain --y 80 --out heights.png --side normal
+  sightline slice cell --z 0.5 --out room.png --exclude robot --unsigned
   sightline slice scan --z 0.1 --out near.png --unsigned
   sightline slice engine --origin 0,9,0 --across 6,0,6 --down 0,-9,0 --out diagonal.png --size 900x900)";
 
@@ -115,8 +121,9 @@ Status write_picture(const SliceArguments& arguments, const picture::Slice& slic
   const auto view = picture::paint_slice(slice, style);
   const PictureSize whole = arguments.no_scale ? slice.size : picture::size_with_scale(slice.size);
   if (whole.width == slice.size.width) return write_png(arguments.out, view, whole);
-  const auto rgb = picture::beside_scale(view, whole, picture::slice_scale(style, meters_per_unit));
-  return write_png(arguments.out, rgb, whole);
+  const picture::Scale scale =
+      picture::slice_scale(style, meters_per_unit, slice.report.unanswered > 0);
+  return write_png(arguments.out, picture::beside_scale(view, whole, scale), whole);
 }
 
 void report(const Session& session, const SliceArguments& arguments,
@@ -136,13 +143,16 @@ void report(const Session& session, const SliceArguments& arguments,
                   {"revision", cast.revision},
                   {"token", cast.token},
                   {"points", cast.rays},
+                  {"unanswered", cast.unanswered},
                   {"cells_expanded", cast.cells_expanded},
                   {"seconds", seconds}};
     if (!arguments.npy.empty()) document["npy"] = arguments.npy;
     print_json(document);
   } else if (arguments.out != "-" && !session.quiet) {
-    fmt::print("{}: {} x {} points, colours to {:.6g}, {:.2f} s\n", arguments.out, width, height,
-               style.range, seconds);
+    const std::string without =
+        cast.unanswered > 0 ? fmt::format(", {} unanswered", format_count(cast.unanswered)) : "";
+    fmt::print("{}: {} x {} points{}, colours to {:.6g}, {:.2f} s\n", arguments.out, width, height,
+               without, style.range, seconds);
   }
 }
 
@@ -161,8 +171,11 @@ ExitCode run(const Session& session, const SliceArguments& arguments) {
   const auto scene = client->get_scene(arguments.scene);
   if (!scene) return fail(scene.error());
   const picture::SliceFrame frame = frame_of(arguments, *scene);
-  CastOptions options{.consistency = arguments.consistency};
+  CastOptions options{.time_budget = std::chrono::milliseconds(arguments.time_budget_ms),
+                      .consistency = arguments.consistency};
   set_sides(arguments.sides, options);
+  if (const Status set = set_nodes(*client, arguments.scene, arguments.nodes, options); !set)
+    return fail(set.error());
   const auto slice = [&] {
     ProgressBar bar("measuring");
     return picture::measure_slice(*client, arguments.scene, frame, arguments.size,
@@ -185,8 +198,9 @@ ExitCode run(const Session& session, const SliceArguments& arguments) {
   const Status wrote = write_picture(arguments, *slice, style, scene->meters_per_unit);
   if (!wrote) return fail(wrote.error());
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  warn_of_unanswered(slice->report, files::RowKind::kPoints);
   report(session, arguments, frame, *slice, style, seconds.count());
-  return kOk;
+  return slice->report.unanswered > 0 ? kUnavailable : kOk;
 }
 
 void add_frame_flags(CLI::App& verb, SliceArguments& arguments) {
@@ -233,6 +247,8 @@ void add_slice_verb(CLI::App& program, Session& session) {
   add_frame_flags(verb, *arguments);
   add_look_flags(verb, *arguments);
   add_side_flags(verb, arguments->sides);
+  add_node_flags(verb, files::RowKind::kPoints, arguments->nodes);
+  add_time_budget_flag(verb, files::RowKind::kPoints, arguments->time_budget_ms);
   verb.add_option("--npy", arguments->npy, "Where the distances go, too")->type_name("FILE.npy");
   add_consistency_flags(verb, arguments->consistency);
   verb.footer(kSliceFooter);

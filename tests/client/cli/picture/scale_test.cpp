@@ -37,7 +37,9 @@ TEST(Scale, DistancesHaveTheUnitThatReadsBest) {
 
 TEST(Scale, TheFontHasWhatScalesSay) {
   const Scale heat = heat_scale({});
-  std::string words = "0123456789.-+e distance units m mm km " + heat.title + heat.unit;
+  std::string words =
+      "0123456789.-+e distance clearance units m mm km grey is alone hatched is no answer " +
+      heat.title + heat.unit;
   for (const std::string& note : heat.notes) words += note;
   std::erase(words, ' ');
   for (const char c : words) EXPECT_NE(glyph_of(c), Glyph{}) << c;
@@ -61,6 +63,16 @@ TEST(Scale, TakesTheLastColumnsAndLeavesTheViewAsItIs) {
   }
   EXPECT_EQ(of_view, view_width * size.height);
   EXPECT_GT(dark, 500U) << "letters, ticks, and the dark end of the colours";
+}
+
+TEST(Scale, NotesThatDoNotFitAreLeftOut) {
+  const PictureSize size{300, 100};
+  Scale scale = depth_scale({0, 9}, 1);
+  scale.notes = {"a", "b"};
+  const std::vector<std::uint8_t> view(std::size_t{3} * (300 - scale_width(size)) * 100, 7);
+  const auto with_two = beside_scale(view, size, scale);
+  scale.notes = {"a", "b", "c", "d"};
+  EXPECT_EQ(beside_scale(view, size, scale), with_two);
 }
 
 TEST(Scale, ASmallPictureHasNone) {

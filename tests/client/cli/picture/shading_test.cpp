@@ -1,8 +1,10 @@
 // Palettes and light.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 
 #include "client/cli/picture/shading.h"
 
@@ -16,6 +18,34 @@ TEST(Palette, HeatGetsLighterAndDepthDarker) {
     EXPECT_LT(luminance(heat_colour(i / 100.0)), luminance(heat_colour((i + 1) / 100.0))) << i;
     EXPECT_GT(luminance(depth_colour(i / 100.0)), luminance(depth_colour((i + 1) / 100.0))) << i;
   }
+}
+
+TEST(Palette, ClearanceIsDarkWhereItIsSmallForEveryEye) {
+  for (int i = 0; i < 100; ++i) {
+    const Rgb near = clearance_colour(i / 100.0), far = clearance_colour((i + 1) / 100.0);
+    EXPECT_LT(luminance(near), luminance(far)) << i;
+    // Nor does the order depend on red, of which some eyes see little.
+    EXPECT_LT(near[1] + near[2], far[1] + far[2] + 0.01F) << i;
+  }
+  const Rgb touching = clearance_colour(0), far = clearance_colour(1);
+  EXPECT_GT(touching[0], 4 * std::max(touching[1], touching[2])) << "red";
+  EXPECT_GT(luminance(far), 10 * luminance(touching));
+}
+
+TEST(Palette, ClearanceHasNoBands) {
+  for (int i = 0; i < 250; ++i) {
+    const Rgb here = clearance_colour(i / 250.0), next = clearance_colour((i + 1) / 250.0);
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_LE(std::abs(encode_srgb(here[k]) - encode_srgb(next[k])), 3) << i;
+  }
+}
+
+TEST(Palette, WithoutAnythingElseClearanceIsGrey) {
+  const Rgb alone = clearance_shade({std::numeric_limits<float>::infinity(), 1}, {0, 9});
+  EXPECT_NEAR(alone[0], alone[1], 1e-3);
+  EXPECT_NEAR(alone[1], alone[2], 1e-3);
+  EXPECT_EQ(clearance_shade({99, 1}, {0, 9}), clearance_shade({9, 1}, {0, 9}));
+  EXPECT_LT(luminance(clearance_shade({5, 0}, {0, 9})), luminance(clearance_shade({5, 1}, {0, 9})));
 }
 
 TEST(Palette, ValuesOutsideTheRampAreClamped) {

@@ -79,6 +79,22 @@ TEST(Slice, NumbersThatAreNotFiniteHaveColours) {
   EXPECT_EQ(rgb[3], rgb[6]) << "as what is farther than the range";
 }
 
+TEST(Slice, PointsWithoutAnAnswerAreHatched) {
+  Slice slice = ramp();
+  for (std::size_t x = 40; x < 80; ++x)
+    slice.distances[kWidth + x] = -std::numeric_limits<double>::infinity();
+  const auto rgb = paint_slice(slice, {.range = 100, .iso = 20});
+  std::size_t light = 0, dark = 0;
+  for (std::size_t x = 40; x < 80; ++x) {
+    const auto [red, green, blue] = pixel(rgb, x);
+    EXPECT_TRUE(red == green && green == blue) << x;
+    ++(red > 180 ? light : dark);
+  }
+  EXPECT_EQ(light, 20U);
+  EXPECT_EQ(dark, 20U);
+  EXPECT_EQ(pixel(rgb, 90), pixel(paint_slice(ramp(), {.range = 100, .iso = 20}), 90));
+}
+
 TEST(Slice, SidesDifferForThoseWhoSeeNoRed) {
   // Lightness is the same on both sides, so that the hue alone tells them: blue and not red, which
   // the common kinds of colour blindness tell from each other by the blue channel.
@@ -116,7 +132,9 @@ TEST(Slice, TheScaleIsThatOfTheColours) {
   EXPECT_EQ(scale.colour(scale.position(-50, scale.range)), side_colour(-1));
   EXPECT_EQ(scale.colour(scale.position(25, scale.range)), side_colour(0.5));
   EXPECT_EQ(slice_scale({.is_signed = false, .range = 50}, 0).range.low, 0);
-  for (const std::string& note : scale.notes) {
+  EXPECT_EQ(slice_scale({.is_signed = false, .range = 50}, 0).notes.size(), 0U);
+  EXPECT_EQ(slice_scale({.is_signed = false, .range = 50}, 0, true).notes.size(), 2U);
+  for (const std::string& note : slice_scale({.range = 50}, 0, true).notes) {
     for (const char c : note) EXPECT_TRUE(c == ' ' || glyph_of(c) != Glyph{}) << c;
   }
 }

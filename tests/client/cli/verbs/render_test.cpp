@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "tests/client/support/run_program.h"
 
@@ -50,9 +51,11 @@ TEST_F(Render, UpIsAnAxisOrADirection) {
 
 TEST_F(Render, EveryModeHasParallelRays) {
   const std::string out = dir_.path("p.png");
-  for (const char* mode : {"normal", "lit", "depth", "node", "heat"}) {
-    const auto picture = run_program(
-        {"render", "s", "--out", out, "--size", "40x40", "--mode", mode, "--ortho", "--json"});
+  for (const char* mode : {"normal", "lit", "depth", "node", "heat", "clearance"}) {
+    std::vector<std::string> words{"render", "s",      "--out", out,       "--size",
+                                   "40x40",  "--mode", mode,    "--ortho", "--json"};
+    if (std::string(mode) == "clearance") words.insert(words.end(), {"--of", "1"});
+    const auto picture = run_program(words);
     ASSERT_EQ(picture.exit, 0) << picture.err;
     EXPECT_GT(json::parse(picture.out)["hits"], 1000) << mode;
   }
@@ -72,6 +75,83 @@ TEST_F(Render, TheScaleOfDepthIsReportedAndMayBeLeftOut) {
   EXPECT_EQ(without["rays"], 300 * 120 * 4);
   EXPECT_LT(with["rays"], without["rays"]) << "the scale takes its columns from the view";
   EXPECT_EQ(with["width"], 300);
+}
+
+// A square at z = 0, and another one 3 above it.
+class RenderClearance : public Render {
+ protected:
+  RenderClearance() {
+    const std::string file =
+        dir_.write("two.obj",
+                   "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 3\nv 1 0 3\nv 1 1 3\nv 0 1 3\n"
+                   "o low\nf 1 2 3\nf 1 3 4\no high\nf 5 6 7\nf 5 7 8\n");
+    EXPECT_EQ(run_program({"scene", "import", "two", file}).exit, 0);
+  }
+
+  tests::ProgramOutcome render(const std::vector<std::string>& more) const {
+    std::vector<std::string> words{"render", "two", "--out", dir_.path("p.png"), "--size", "40x40"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_program(words);
+  }
+};
+
+TEST_F(RenderClearance, IsReported) {
+  const auto picture = render({"--mode", "clearance", "--of", "low", "--json"});
+  ASSERT_EQ(picture.exit, 0) << picture.err;
+  const json report = json::parse(picture.out);
+  EXPECT_EQ(report["mode"], "clearance");
+  EXPECT_GT(report["node"], 0);
+  EXPECT_NEAR(report["least"], 3, 1e-9);
+  EXPECT_NEAR(report["greatest"], 3, 1e-9);
+  EXPECT_NEAR(report["scale"]["high"], 3, 1e-9);
+  EXPECT_EQ(report["scale"]["low"], 0);
+  const auto text = render({"--mode", "clearance", "--of", "low"});
+  EXPECT_NE(text.out.find(" hits, 3 to 3 from the rest, "), std::string::npos) << text.out;
+  EXPECT_EQ(render({"--mode", "clearance", "--of", "low", "--quiet"}).out, "");
+}
+
+TEST_F(RenderClearance, TheRangeIsThatOfTheColours) {
+  const auto picture =
+      render({"--mode", "clearance", "--of", "high", "--range", "0.5", "--context", "--json"});
+  ASSERT_EQ(picture.exit, 0) << picture.err;
+  EXPECT_EQ(json::parse(picture.out)["scale"]["high"], 0.5);
+  EXPECT_NEAR(json::parse(picture.out)["greatest"], 3, 1e-9);
+}
+
+TEST_F(RenderClearance, ItIsSaidIfThereIsNothingElse) {
+  const std::vector<std::string> words{"render", "s",     "--out",  dir_.path("p.png"),
+                                       "--size", "40x40", "--mode", "clearance",
+                                       "--of",   "1"};
+  EXPECT_NE(run_program(words).out.find("nothing else in the scene"), std::string::npos);
+  auto with_json = words;
+  with_json.emplace_back("--json");
+  const json report = json::parse(run_program(with_json).out);
+  EXPECT_TRUE(report["least"].is_null());
+  EXPECT_TRUE(report["greatest"].is_null());
+}
+
+TEST_F(RenderClearance, WhatCannotBeDrawnIsRefused) {
+  struct Case {
+    std::vector<std::string> more;
+    int exit;
+    const char* text;
+  };
+  for (const Case& wrong :
+       {Case{{"--mode", "clearance"}, 2, "--mode: clearance is of a node: name it by --of"},
+        Case{{"--of", "low"}, 2, "--of: only --mode clearance has it"},
+        Case{{"--mode", "depth", "--range", "2"}, 2, "--range: only --mode clearance has it"},
+        Case{{"--context"}, 2, "--context: only --mode clearance has it"},
+        Case{
+            {"--mode", "clearance", "--of", "low", "--range", "0"}, 2, "'0' is not a number above"},
+        Case{{"--mode", "clearance", "--of", "-3"}, 2, "-3"},
+        Case{{"--mode", "clearence", "--of", "low"}, 2, "did you mean clearance?"},
+        Case{{"--mode", "clearance", "--of", "lo"}, 3, "there is no node 'lo'"},
+        Case{{"--mode", "clearance", "--of", "99"}, 3, "99"}}) {
+    const auto refused = render(wrong.more);
+    EXPECT_EQ(refused.exit, wrong.exit) << refused.err;
+    EXPECT_NE(refused.err.find(wrong.text), std::string::npos) << refused.err;
+  }
+  EXPECT_EQ(dir_.names(), "square.obj two.obj");
 }
 
 }  // namespace

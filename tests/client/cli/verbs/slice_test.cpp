@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <string>
@@ -18,6 +20,8 @@ namespace sightline::tests {
 namespace {
 
 using nlohmann::json;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // A ball around the origin, whose faces are within 0.4 % of the sphere of this radius.
 constexpr double kRadius = 10;
@@ -165,6 +169,50 @@ TEST_F(SliceVerb, WindingShowsTheUnionOfWhatOverlaps) {
   };
   EXPECT_EQ(at_overlap("parity"), 0.5);
   EXPECT_EQ(at_overlap("winding"), -0.5);
+}
+
+TEST_F(SliceVerb, NodesThatDoNotCountAreLeftOut) {
+  std::vector boxes{mesh_of({{0, 0, 0}, {2, 2, 2}}), mesh_of({{5, 0, 0}, {6, 2, 2}})};
+  boxes[0].name = "left";
+  boxes[1].name = "right";
+  ASSERT_EQ(run_program({"scene", "import", "boxes", dir_.write("b.obj", obj_of(boxes))}).exit, 0);
+  const std::string npy = dir_.path("one.npy");
+  const auto at_gap = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"slice", "boxes", "--out", dir_.path("b.png"), "--npy", npy};
+    for (const char* word :
+         {"--origin", "2.5,0.5,1", "--across", "1,0,0", "--down", "0,1,0", "--size", "1x1"})
+      words.emplace_back(word);
+    words.insert(words.end(), more.begin(), more.end());
+    EXPECT_EQ(run_program(words).exit, 0);
+    return numbers("one.npy")[0];
+  };
+  EXPECT_EQ(at_gap({}), 1);
+  EXPECT_EQ(at_gap({"--exclude", "left"}), 2);
+  EXPECT_EQ(at_gap({"--under", "right"}), 2);
+  EXPECT_EQ(at_gap({"--exclude", "left", "--exclude", "right"}), kInfinity);
+  EXPECT_EQ(at_gap({"--exclude", "left", "right"}), kInfinity);
+  EXPECT_EQ(slice({"--z", "0", "--under", "bal"}).exit, 3);
+  EXPECT_EQ(slice({"--z", "0", "--exclude", "-1"}).exit, 2);
+}
+
+// By 63 rays a point, the points of a message take far longer than a millisecond.
+TEST_F(SliceVerb, PointsForWhichThereIsNoTimeAreCounted) {
+  const std::string npy = dir_.path("slice.npy");
+  const std::vector<std::string> words{
+      "--z", "0", "--size", "600x600", "--side-rays", "63", "--time-budget", "1", "--npy", npy};
+  auto with_json = words;
+  with_json.emplace_back("--json");
+  const auto made = slice(with_json);
+  EXPECT_EQ(made.exit, 5);
+  EXPECT_NE(made.err.find(" of 360,000 points have no answer"), std::string::npos) << made.err;
+  const json report = json::parse(made.out);
+  const auto distances = numbers("slice.npy");
+  EXPECT_EQ(report["unanswered"], std::count(distances.begin(), distances.end(), -kInfinity));
+  EXPECT_GT(report["unanswered"], 0);
+  const auto text = slice(words);
+  EXPECT_EQ(text.exit, 5);
+  EXPECT_NE(text.out.find(" unanswered, colours to "), std::string::npos) << text.out;
+  EXPECT_EQ(slice({"--z", "0", "--time-budget", "0"}).exit, 2);
 }
 
 TEST_F(SliceVerb, LinesThatAreTooDenseAreLeftOut) {
