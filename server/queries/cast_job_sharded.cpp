@@ -145,7 +145,11 @@ Status CastJob::write_sharded_hits(v1::CastRaysResponse& reply) {
   for (std::size_t i = 0; i < hits.size; ++i) {
     Hit hit = answers.hits()[i];
     // By normals, nearest faces were asked for at any distance.
-    if (query_.sides && hit.t > rays_[i].tmax) hit = {.work = hit.work};
+    if (query_.sides && hit.t > rays_[i].tmax) {
+      const std::uint32_t work = hit.work;
+      hit = {};
+      hit.work = work;
+    }
     hits.set(i, hit);
     states.push_back(hit.state);
   }

@@ -106,7 +106,7 @@ TEST(ShardMessages, AreRefusedWithColumnsOfAnotherSize) {
 }
 
 TEST(ShardMessages, AreRefusedWithSidesThatDoNotExist) {
-  for (const std::uint8_t side : {3, 5, 255})
+  for (const std::uint8_t side : std::vector<std::uint8_t>{3, 5, 255})
     EXPECT_EQ(refusal(answer_with({0, side}, {0, 0, 0, 0, 0, 0})),
               "a shard's answer has sides that do not exist");
 }
