@@ -1,4 +1,5 @@
-// Projected vertices against four lines, with the error bound of the prefilter.
+// Projected vertices against four lines, with the error bound of the prefilter; vertices against
+// the sides of a box and a plane.
 #include "accel/geometry/vertex_sides.h"
 
 #include <array>
@@ -72,23 +73,78 @@ class Sides {
   V x_, y_, z_, shear_x_, shear_y_, error_;
 };
 
-template <std::size_t kZ>
-HWY_INLINE void store_all(const ShearedRay& ray, std::span<const Vec3f> vertices,
-                          std::uint8_t* sides) {
+/// As Sides, for a part of space.
+template <class D>
+class CutSides {
+ public:
+  using V = hn::Vec<D>;
+
+  explicit CutSides(const CutBox& part) : part_(part) {}
+
+  /// With u = 2^-24, the computed normal . v is off by at most 4 u of the sum of its terms without
+  /// signs, which is off by 3 u of itself; the difference is rounded once. Numbers that are too
+  /// large become NaN or infinite, and then the plane's bit is not set, or rightly so.
+  HWY_INLINE void store(const float* vertices, std::uint8_t* sides) const {
+    const D d;
+    V axis0, axis1, axis2;
+    hn::LoadInterleaved3(d, vertices, axis0, axis1, axis2);
+    const V x = hn::Mul(axis0, hn::Set(d, part_.normal.x)),
+            y = hn::Mul(axis1, hn::Set(d, part_.normal.y)),
+            z = hn::Mul(axis2, hn::Set(d, part_.normal.z));
+    const V size = hn::Add(hn::Add(hn::Abs(x), hn::Abs(y)), hn::Abs(z));
+    const V least = hn::Sub(hn::Add(hn::Add(x, y), z), hn::Mul(size, hn::Set(d, 0x1p-21f)));
+    const auto beyond = bit<64>(hn::Gt(least, hn::Set(d, part_.most)));
+    const auto bits = hn::Or(hn::Or(outside<0, 1>(axis0), outside<1, 4>(axis1)),
+                             hn::Or(outside<2, 16>(axis2), beyond));
+    hn::StoreU(hn::DemoteTo(hn::Rebind<std::uint8_t, D>(), bits), hn::Rebind<std::uint8_t, D>(),
+               sides);
+  }
+
+ private:
+  template <int kBit, class M>
+  static HWY_INLINE hn::Vec<hn::RebindToSigned<D>> bit(M mask) {
+    const hn::RebindToSigned<D> di;
+    return hn::IfThenElseZero(hn::RebindMask(di, mask), hn::Set(di, kBit));
+  }
+  template <std::size_t kAxis, int kBit>
+  HWY_INLINE hn::Vec<hn::RebindToSigned<D>> outside(V at) const {
+    const D d;
+    return hn::Or(bit<kBit>(hn::Lt(at, hn::Set(d, part_.box.lo[kAxis]))),
+                  bit<2 * kBit>(hn::Gt(at, hn::Set(d, part_.box.hi[kAxis]))));
+  }
+
+  const CutBox part_;
+};
+
+/// `Of<D>` finds the sides of as many vertices at once as D has lanes.
+template <template <class> class Of, class Part>
+HWY_INLINE void store_sides(const Part& part, std::span<const Vec3f> vertices,
+                            std::uint8_t* sides) {
   using Several = hn::CappedTag<float, 16>;
   using One = hn::CappedTag<float, 1>;
-  const Sides<kZ, Several> several(ray);
-  const Sides<kZ, One> one(ray);
+  const Of<Several> several(part);
+  const Of<One> one(part);
   const std::size_t lanes = hn::Lanes(Several());
   std::size_t i = 0;
   for (; i + lanes <= vertices.size(); i += lanes) several.store(&vertices[i].x, sides + i);
   for (; i < vertices.size(); ++i) one.store(&vertices[i].x, sides + i);
 }
 
-void vertex_sides(const ShearedRay& ray, std::span<const Vec3f> vertices, std::uint8_t* sides) {
-  if (ray.z == 0) return store_all<0>(ray, vertices, sides);
-  if (ray.z == 1) return store_all<1>(ray, vertices, sides);
-  store_all<2>(ray, vertices, sides);
+template <class D>
+using SidesAlongX = Sides<0, D>;
+template <class D>
+using SidesAlongY = Sides<1, D>;
+template <class D>
+using SidesAlongZ = Sides<2, D>;
+
+void sides_of_ray(const ShearedRay& ray, std::span<const Vec3f> vertices, std::uint8_t* sides) {
+  if (ray.z == 0) return store_sides<SidesAlongX>(ray, vertices, sides);
+  if (ray.z == 1) return store_sides<SidesAlongY>(ray, vertices, sides);
+  store_sides<SidesAlongZ>(ray, vertices, sides);
+}
+
+void sides_of_part(const CutBox& part, std::span<const Vec3f> vertices, std::uint8_t* sides) {
+  store_sides<CutSides>(part, vertices, sides);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -98,15 +154,20 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace sightline::accel::geometry {
 
-HWY_EXPORT(vertex_sides);
+HWY_EXPORT(sides_of_ray);
+HWY_EXPORT(sides_of_part);
 
 void vertex_sides(const ShearedRay& ray, std::span<const Vec3f> vertices, std::uint8_t* sides) {
   static_assert(sizeof(Vec3f) == 3 * sizeof(float));
-  HWY_DYNAMIC_DISPATCH(vertex_sides)(ray, vertices, sides);
+  HWY_DYNAMIC_DISPATCH(sides_of_ray)(ray, vertices, sides);
 }
 
-std::size_t faces_at_ray(std::span<const Face> faces, std::uint32_t begin, std::uint32_t end,
-                         const std::uint8_t* sides, std::uint32_t* out) {
+void vertex_sides(const CutBox& part, std::span<const Vec3f> vertices, std::uint8_t* sides) {
+  HWY_DYNAMIC_DISPATCH(sides_of_part)(part, vertices, sides);
+}
+
+std::size_t faces_on_no_side(std::span<const Face> faces, std::uint32_t begin, std::uint32_t end,
+                             const std::uint8_t* sides, std::uint32_t* out) {
   std::size_t n = 0;
   for (std::uint32_t i = begin; i < end; ++i) {
     const Face& face = faces[i];

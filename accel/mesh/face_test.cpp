@@ -112,7 +112,8 @@ bool FaceTest::everything() {
   std::array<std::uint32_t, lazy::kSearchStep> ids;
   for (std::uint32_t i = 0; i < all && !is_done(); i += ids.size()) {
     const std::uint32_t end = std::min<std::uint32_t>(i + ids.size(), all);
-    const std::size_t met = geometry::faces_at_ray(mesh_.faces, i, end, sides.data(), ids.data());
+    const std::size_t met =
+        geometry::faces_on_no_side(mesh_.faces, i, end, sides.data(), ids.data());
     count(end - i - met);
     if (leaf({ids.data(), met})) return true;
   }

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "accel/geometry/triangle_mesh.h"
+#include "accel/geometry/vertex_sides.h"
 #include "accel/kdtree/deferred_cell.h"
 #include "accel/kdtree/walk_counters.h"
 #include "accel/lazy/cell_query.h"
@@ -31,6 +32,9 @@ class PointTests {
 
  private:
   void test(std::size_t lane, std::uint32_t face);
+  geometry::Vec3d nearest_of_few(std::size_t lane);
+  geometry::CutBox within_limit(std::size_t lane, const geometry::Vec3d& vertex) const;
+  void search(std::size_t lane);
 
   const geometry::MeshView& mesh_;
   wide::Packet& packet_;

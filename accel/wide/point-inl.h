@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include <hwy/cache_control.h>
 
@@ -110,9 +111,26 @@ class Point {
     return true;
   }
 
+  /// A cell that is not built, and a list, wait until nothing else is nearer: so no cell is
+  /// expanded that is farther than the answer.
   HWY_INLINE bool enter(Entry& entry) {
+    if (entry.at.is_list() || kdtree::load(entry.at.slot()).is_deferred()) {
+      later_.push_back(entry);
+      std::push_heap(later_.begin(), later_.end(), is_farther);
+      return false;
+    }
     entry.at = wide::enter(entry.at, 1u << lane_, walked_.leaf);
     return static_cast<bool>(entry.at);
+  }
+
+  HWY_INLINE bool next(Entry& entry, Stack<Entry>& stack) {
+    if (!later_.empty() && !matters(later_.front())) later_.clear();
+    while (later_.empty()) {
+      if (stack.empty()) return false;
+      entry = stack.pop();
+      if (matters(entry)) return true;
+    }
+    return next_or_later(entry, stack);
   }
 
   static constexpr bool part(const Entry&) { return false; }
@@ -156,6 +174,28 @@ class Point {
   }
 
  private:
+  static bool is_farther(const Entry& a, const Entry& b) { return a.t > b.t; }
+
+  /// Goes on to the nearest of all that waits, and enters it if it is not built.
+  bool next_or_later(Entry& entry, Stack<Entry>& stack) {
+    while (!is_done()) {
+      if (!stack.empty()) stack.raise_nearest();
+      const bool is_built = !stack.empty() && (later_.empty() || stack.top().t < later_.front().t);
+      if (!is_built && later_.empty()) return false;
+      if (is_built) {
+        entry = stack.pop();
+        return matters(entry);  // if not, nothing does
+      }
+      std::pop_heap(later_.begin(), later_.end(), is_farther);
+      entry = later_.back();
+      later_.pop_back();
+      if (!matters(entry)) return false;
+      entry.at = wide::enter(entry.at, 1u << lane_, walked_.leaf);
+      if (entry.at) return true;
+    }
+    return false;
+  }
+
   /// Tests the triangles of a block whose vertices are seen so, relative to the point and in its
   /// units.
   HWY_INLINE void visit_triangles(const std::uint32_t* words, const Vectors16& seen,
@@ -351,6 +391,7 @@ class Point {
   std::array<Boxes, 3> at_, off_;
   std::uint64_t nodes_ = 0, triangles_ = 0;
   std::uint32_t blocks_ = 0;
+  std::vector<Entry> later_;  // a heap, the nearest on top
   geometry::Vec3f landmark_ = nowhere();
 };
 

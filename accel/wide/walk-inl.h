@@ -11,6 +11,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "accel/kdtree/wide_node.h"
 #include "accel/wide/child.h"
@@ -37,6 +38,13 @@ class Stack {
     entries_[i] = entry;
   }
   HWY_INLINE const Entry& pop() { return entries_[--size_]; }
+  const Entry& top() const { return entries_[size_ - 1]; }
+  /// Exchanges the nearest entry and the top.
+  void raise_nearest() {
+    const auto nearer = [](const Entry& a, const Entry& b) { return a.t < b.t; };
+    Entry* const end = entries_.data() + size_;
+    std::swap(*std::min_element(entries_.data(), end, nearer), *(end - 1));
+  }
 
  private:
   /// A path above finished subtrees and one in such a subtree have at most kMostLevels nodes each.
@@ -78,6 +86,8 @@ HWY_INLINE void push_others(Child parent, const std::array<float, kdtree::kWidth
 ///   bool part(const Entry&)   whether the rays have gone on from there by themselves
 ///   bool is_done()
 ///   bool matters(Entry&)      whether an entry that has waited still does; drops rays
+///   bool next(Entry&, Stack<Entry>&)
+///                             optional: goes on to an entry that has waited; false: none matters
 template <class Rays>
 HWY_INLINE void walk_tree(Rays& rays, typename Rays::Entry entry) {
   Stack<typename Rays::Entry> stack;
@@ -93,10 +103,14 @@ HWY_INLINE void walk_tree(Rays& rays, typename Rays::Entry entry) {
       }
     }
     if (rays.is_done()) return;
-    do {
-      if (stack.empty()) return;
-      entry = stack.pop();
-    } while (!rays.matters(entry));
+    if constexpr (requires { rays.next(entry, stack); }) {
+      if (!rays.next(entry, stack)) return;
+    } else {
+      do {
+        if (stack.empty()) return;
+        entry = stack.pop();
+      } while (!rays.matters(entry));
+    }
   }
 }
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "tests/support/distance_bounds.h"
+#include "tests/support/equal_faces.h"
 #include "tests/support/quad_distance.h"
 #include "tests/support/rational_distance.h"
 
@@ -188,14 +189,16 @@ void BruteNearest::visit(const Vec3d& p, const double& limit, const NodeFilter& 
   }
 }
 
-std::vector<NearFace> BruteNearest::all(const Vec3d& p, double max_distance, std::size_t most,
-                                        const NodeFilter& filter) const {
+/// The first `most` faces in order, and more that are not nearer; among them all that are as far as
+/// the last.
+std::vector<NearFace> BruteNearest::first_and_ties(const Vec3d& p, double max_distance,
+                                                   std::size_t most,
+                                                   const NodeFilter& filter) const {
   struct Suspect {
     double lower;
     const Instance* instance;
     std::uint32_t face;
   };
-  if (most == 0) return {};
   std::vector<Suspect> suspects;
   std::priority_queue<double> uppers;  // The `most` least, the largest on top
   double limit = max_distance;
@@ -209,14 +212,34 @@ std::vector<NearFace> BruteNearest::all(const Vec3d& p, double max_distance, std
           if (uppers.size() == most) limit = std::min(limit, uppers.top());
         });
   std::vector<NearFace> faces;
+  EqualFaces decided;
   for (const Suspect& suspect : suspects) {
     if (suspect.lower > limit) continue;
-    const double distance = exact_distance(*suspect.instance, suspect.face, p);
+    const double distance = decided.distance_of(suspect.instance->placed, suspect.face, [&] {
+      return exact_distance(*suspect.instance, suspect.face, p);
+    });
     if (distance > max_distance) continue;
     faces.push_back({distance, suspect.instance->placed.node, suspect.face});
   }
   std::sort(faces.begin(), faces.end());
+  return faces;
+}
+
+std::vector<NearFace> BruteNearest::all(const Vec3d& p, double max_distance, std::size_t most,
+                                        const NodeFilter& filter) const {
+  if (most == 0) return {};
+  std::vector<NearFace> faces = first_and_ties(p, max_distance, most, filter);
   if (faces.size() > most) faces.resize(most);
+  return faces;
+}
+
+std::vector<NearFace> BruteNearest::all_closest(const Vec3d& p, double max_distance,
+                                                const NodeFilter& filter) const {
+  std::vector<NearFace> faces = first_and_ties(p, max_distance, 1, filter);
+  const auto farther = std::find_if(faces.begin(), faces.end(), [&](const NearFace& face) {
+    return face.distance > faces.front().distance;
+  });
+  faces.erase(farther, faces.end());
   return faces;
 }
 

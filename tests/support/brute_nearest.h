@@ -51,6 +51,9 @@ class BruteNearest {
                             std::size_t most = kNoLimit, const NodeFilter& filter = {}) const;
   std::optional<NearFace> closest(const accel::geometry::Vec3d& p, double max_distance,
                                   const NodeFilter& filter = {}) const;
+  /// All faces at the least distance that is within `max_distance`, in order.
+  std::vector<NearFace> all_closest(const accel::geometry::Vec3d& p, double max_distance,
+                                    const NodeFilter& filter = {}) const;
   /// The number of faces within `max_distance`.
   std::uint64_t count(const accel::geometry::Vec3d& p, double max_distance,
                       const NodeFilter& filter = {}) const;
@@ -87,6 +90,8 @@ class BruteNearest {
   static double distance_below(const Box& box, const accel::geometry::Vec3d& p, double pad);
   static double exact_distance(const Instance& instance, std::uint32_t face,
                                const accel::geometry::Vec3d& p);
+  std::vector<NearFace> first_and_ties(const accel::geometry::Vec3d& p, double max_distance,
+                                       std::size_t most, const NodeFilter& filter) const;
   template <class Found>
   static void visit_chunk(const NearChunk& near, const accel::geometry::Vec3d& p, Found& found);
   template <class Found>

@@ -44,6 +44,10 @@ void expect_exact(const BruteNearest& oracle, const std::vector<PlacedMesh>& mes
   const std::vector<NearFace> all = every_distance(meshes, p);
   ASSERT_EQ(oracle.all(p, kAnyDistance), all);
   ASSERT_EQ(oracle.count(p, kAnyDistance), all.size());
+  const auto farther = std::find_if(all.begin(), all.end(), [&](const NearFace& face) {
+    return face.distance > all[0].distance;
+  });
+  ASSERT_EQ(oracle.all_closest(p, kAnyDistance), std::vector<NearFace>(all.begin(), farther));
   for (const std::size_t k : {std::size_t{0}, std::size_t{1}, all.size() / 3, all.size() - 1}) {
     ASSERT_EQ(oracle.all(p, kAnyDistance, k + 1),
               std::vector<NearFace>(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(k + 1)));

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "tests/support/brute_force.h"
-#include "tests/support/random.h"
 
 namespace sightline::tests {
 namespace {
@@ -52,19 +51,6 @@ Vec3d gaussian(Random& random) {
   Vec3d sum{-6, -6, -6};
   for (std::size_t i = 0; i < 36; ++i) sum[i % 3] += random.uniform();
   return sum;
-}
-
-// Each coordinate moves down, up or not at all, to the next number of type T.
-template <class T>
-Vec3d beside(const Vec3d& p, Random& random) {
-  Vec3d moved;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto from = static_cast<T>(p[axis]);
-    const std::uint64_t way = random.below(3);
-    const auto toward = static_cast<T>(way == 1 ? HUGE_VAL : -HUGE_VAL);
-    moved[axis] = static_cast<double>(way == 0 ? from : std::nextafter(from, toward));
-  }
-  return moved;
 }
 
 Vec3d center_of(const Corners& face) { return (face[0] + face[1] + face[2]) * (1.0 / 3); }

@@ -44,7 +44,7 @@ double expect_no_hit_lost(const TestMesh& mesh, const std::vector<LocalRay>& ray
   for (const LocalRay& ray : rays) {
     vertex_sides(sheared(ray), mesh.vertices, sides.data());
     const auto faces = static_cast<std::uint32_t>(mesh.faces.size());
-    const std::size_t count = faces_at_ray(mesh.faces, 0, faces, sides.data(), kept.data());
+    const std::size_t count = faces_on_no_side(mesh.faces, 0, faces, sides.data(), kept.data());
     all_kept += count;
     std::size_t next = 0;
     for (std::uint32_t i = 0; i < faces; ++i) {
@@ -82,6 +82,38 @@ TEST_P(VertexSides, LoseNoHitWhereFloatsAreCoarseAndAtTheEndsOfTheRange) {
     const TestMesh mesh = soup(size, {});
     for (const double distance : {0.5, 3.0, 1e6})
       expect_no_hit_lost(mesh, rays_towards(mesh, distance * size, 7));
+  }
+}
+
+/// Bits of vertices are right, and few of those outside have none.
+TEST_P(VertexSides, OfAPartOfSpaceAreThoseOfVerticesOutside) {
+  tests::Random random(8);
+  for (const double size : {1.0, 1e-3, 1e8, 1e30, 1e-30}) {
+    const TestMesh mesh = soup(size, {size, -3 * size, 0});
+    std::vector<std::uint8_t> sides(mesh.vertices.size());
+    std::size_t outside = 0, missed = 0;
+    for (int i = 0; i < 50; ++i) {
+      const Vec3d at(mesh.vertices[random.below(mesh.vertices.size())]);
+      const Vec3f normal(random.direction());
+      CutBox part{{}, normal, static_cast<float>(dot(Vec3d(normal), at))};
+      for (const double way : {-1.0, 1.0})
+        part.box.grow(Vec3f(at + Vec3d{1, 2, 0.5} * (0.3 * way * size)));
+      vertex_sides(part, mesh.vertices, sides.data());
+      for (std::size_t v = 0; v < sides.size(); ++v) {
+        const Vec3d p(mesh.vertices[v]);
+        const double beyond = dot(Vec3d(normal), p) - static_cast<double>(part.most);
+        int expected = beyond > 0 ? 64 : 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          if (mesh.vertices[v][axis] < part.box.lo[axis]) expected |= 1 << 2 * axis;
+          if (mesh.vertices[v][axis] > part.box.hi[axis]) expected |= 2 << 2 * axis;
+        }
+        ASSERT_EQ(sides[v] & ~expected, 0);
+        ASSERT_EQ(sides[v] | 64, expected | 64);
+        outside += (expected & 64) != 0 ? 1 : 0;
+        missed += sides[v] != expected ? 1 : 0;
+      }
+    }
+    EXPECT_LT(missed, outside / 100) << size;
   }
 }
 

@@ -3,13 +3,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 
 #include "accel/mesh/mesh_stats.h"
 #include "accel/mesh/mesh_tree.h"
 #include "accel/wide/given_rays.h"
 #include "accel/wide/transform.h"
+#include "tests/support/hard_shapes.h"
+#include "tests/support/random.h"
 #include "tests/support/scenes.h"
+#include "tests/support/walk_in_doubles.h"
 
 namespace sightline::accel::mesh {
 namespace {
@@ -57,6 +61,66 @@ TEST(PointTests, SearchAMeshThatIsNotBuilt) {
     EXPECT_EQ(point.best.t[0], 2);
   }
   EXPECT_EQ(sphere.walked.tests < sphere.mesh.faces.size() / 4, true);
+}
+
+/// What points have expanded below a slot.
+struct ExpandedCells {
+  const wide::Frame& frame;
+  const geometry::Vec3d& point;
+  double answer;
+  std::size_t all = 0, farther = 0;
+
+  void add(kdtree::Slot slot) {
+    for (std::size_t i = 0; slot.is_node() && i < kdtree::kWidth && slot.node()->child(i); ++i) {
+      const kdtree::Slot child = slot.node()->child(i);
+      if (child.is_deferred()) continue;
+      ++all;
+      // Boxes and limits are floats.
+      if (distance_to(tests::box_of(*slot.node(), i, frame)) > answer * (1 + 0x1p-16)) ++farther;
+      add(child);
+    }
+  }
+
+ private:
+  double distance_to(const geometry::Aabb& box) const {
+    geometry::Vec3d gap;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      gap[axis] = std::max({static_cast<double>(box.lo[axis]) - point[axis],
+                            point[axis] - static_cast<double>(box.hi[axis]), 0.0});
+    }
+    return length(gap);
+  }
+};
+
+/// This is the least that any order of expanding can build.
+TEST(PointTests, ExpandNoCellThatIsFartherThanTheAnswer) {
+  tests::Random random(3);
+  for (const tests::TestMesh& mesh :
+       {tests::icosphere(6), tests::hills(60'000, 2), tests::random_soup(20'000, 0.02, 4)}) {
+    const MeshStats stats = compute_mesh_stats(mesh.view());
+    const geometry::Vec3d lo(stats.bounds.lo), hi(stats.bounds.hi);
+    std::size_t expanded = 0;
+    for (int i = 0; i < 60; ++i) {
+      MeshTree tree(mesh.view(), stats, TreeBuilder{});
+      const double reach = i % 3 == 0 ? 0.6 : i % 3 == 1 ? 1 : 20;
+      geometry::Vec3d at = (lo + hi) * 0.5;
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        at[axis] += (hi[axis] - lo[axis]) * random.uniform(-reach, reach);
+      OnePoint point(at);
+      const kdtree::EpochPin pin;
+      lazy::CellQuery cells;
+      kdtree::WalkCounters walked;
+      kdtree::BuildCounters built;
+      tree.query(point.packet, 1, cells, walked, built);
+      ASSERT_EQ(point.best.found, 1u);
+      ExpandedCells below{tree.lazy_tree()->frame(), at, point.best.t[0]};
+      below.add(kdtree::load(tree.lazy_tree()->root()));
+      EXPECT_EQ(below.farther, 0u)
+          << "of " << below.all << " from " << at.x << ", " << at.y << ", " << at.z;
+      expanded += below.all;
+    }
+    EXPECT_GT(expanded, 60u);
+  }
 }
 
 /// A point in the middle visits all of a sphere, unless it is cancelled.

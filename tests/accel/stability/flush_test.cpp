@@ -3,12 +3,9 @@
 
 #include <string>
 
-#if defined(__SSE2__)
-#include <immintrin.h>
-#endif
-
 #include "accel/published/any_builder.h"
 #include "tests/accel/stability/asked_tree.h"
+#include "tests/support/flush_denormals.h"
 #include "tests/support/hard_meshes.h"
 #include "tests/support/hard_rays.h"
 
@@ -16,22 +13,6 @@ namespace sightline::tests {
 namespace {
 
 #if defined(__SSE2__)
-
-/// Flushes denormal results during its lifetime; with `inputs`, also treats denormal operands as
-/// zero.
-class FlushDenormals {
- public:
-  explicit FlushDenormals(bool inputs) : before_(_mm_getcsr()) {
-    constexpr unsigned kDenormalsAreZero = 0x40;
-    _mm_setcsr(before_ | _MM_FLUSH_ZERO_ON | (inputs ? kDenormalsAreZero : 0));
-  }
-  ~FlushDenormals() { _mm_setcsr(before_); }
-  FlushDenormals(const FlushDenormals&) = delete;
-  FlushDenormals& operator=(const FlushDenormals&) = delete;
-
- private:
-  unsigned before_;
-};
 
 TestMesh shrunk(TestMesh mesh, float factor) {
   for (accel::geometry::Vec3f& v : mesh.vertices) v = v * factor;

@@ -33,6 +33,18 @@ Verb add_verb_nearest(CLI::App& app) {
   return [options](const CommonOptions& common) { return run_nearest(common, *options); };
 }
 
+Verb add_verb_check(CLI::App& app) {
+  auto options = std::make_shared<CheckOptions>();
+  auto kind = std::make_shared<std::string>("nearest");
+  CLI::App& verb = *app.add_subcommand(
+      "check", "Answers against brute force in exact arithmetic, over families of hard questions");
+  verb.add_option("--kind", *kind, "What is asked")->check(CLI::IsMember({"nearest"}));
+  verb.add_option("--points", options->points, "How many, of all families together")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000'000}));
+  verb.add_option("--family", options->family, "Families whose names begin so (default: all)");
+  return [options, kind](const CommonOptions& common) { return run_check(common, *options); };
+}
+
 Verb add_verb_robust(CLI::App& app) {
   auto options = std::make_shared<RobustOptions>();
   CLI::App& verb = *app.add_subcommand(
@@ -95,8 +107,9 @@ Verb add_verb_chart(CLI::App& app) {
 
 Verbs add_answer_verbs(CLI::App& app) {
   return {{"exactness", add_verb_exactness(app)}, {"nearest", add_verb_nearest(app)},
-          {"robust", add_verb_robust(app)},       {"answers", add_verb_answers(app)},
-          {"chart", add_verb_chart(app)},         {"stability", add_verb_stability(app)}};
+          {"check", add_verb_check(app)},         {"robust", add_verb_robust(app)},
+          {"answers", add_verb_answers(app)},     {"chart", add_verb_chart(app)},
+          {"stability", add_verb_stability(app)}};
 }
 
 }  // namespace sightline::bench

@@ -56,6 +56,7 @@ Verb add_verb_competitive(CLI::App& app) {
   const CLI::Range counts(std::size_t{1}, std::size_t{1'000'000'000});
   verb.add_option("--rays", options->kinds, std::string(kRayKinds) + "; several by commas")
       ->delimiter(',');
+  verb.add_flag("--points", options->points, "Nearest faces of points: near, in the volume, far");
   verb.add_option("--measured", options->measured, "Most rays that are cast")->check(counts);
   verb.add_option("--most", options->most, "Most rays, beyond those by unit costs")->check(counts);
   verb.add_option("--longest", options->longest,
@@ -63,6 +64,17 @@ Verb add_verb_competitive(CLI::App& app) {
       ->check(CLI::Range(0.0, 1e6));
   verb.add_option("--batch", options->batch, "Rays a batch")->check(counts);
   return [options](const CommonOptions& common) { return run_competitive(common, *options); };
+}
+
+Verb add_verb_lazy_points(CLI::App& app) {
+  auto options = std::make_shared<LazyPointsOptions>();
+  CLI::App& verb = *app.add_subcommand(
+      "lazy-points", "What points build and search in trees that grow, beside rays");
+  verb.add_option("--counts", options->counts, "How many points and rays; several by commas")
+      ->delimiter(',');
+  verb.add_option("--spot", options->spot, "How many points around one spot");
+  verb.add_option("--cold", options->cold, "How many meshes are searched by one point and one ray");
+  return [options](const CommonOptions& common) { return run_lazy_points(common, *options); };
 }
 
 Verb add_verb_budget(CLI::App& app) {
@@ -150,6 +162,7 @@ Verbs add_tree_verbs(CLI::App& app) {
           {"law", add_verb_law(app)},
           {"kernel", add_verb_kernel(app)},
           {"competitive", add_verb_competitive(app)},
+          {"lazy-points", add_verb_lazy_points(app)},
           {"budget", add_verb_budget(app)},
           {"calibrate", add_verb_calibrate(app)},
           {"curve", add_verb_curve(app)},

@@ -12,6 +12,7 @@
 #include "tests/bench/verbs/hit_hash.h"
 #include "tests/bench/verbs/verbs.h"
 #include "tests/bench/verbs/workload.h"
+#include "tests/support/on_target.h"
 
 namespace sightline::bench {
 namespace {
@@ -21,6 +22,7 @@ using accel::geometry::Ray;
 using scenegraph::Growth;
 using scenegraph::QueryKind;
 using scenegraph::RayTally;
+using tests::OnTarget;
 using SnapshotPtr = std::shared_ptr<const scenegraph::revision::Snapshot>;
 
 constexpr std::array<int, 3> kThreads{1, 2, kMostAnswerThreads};
@@ -28,16 +30,6 @@ constexpr std::array<int, 3> kThreads{1, 2, kMostAnswerThreads};
 constexpr std::array<std::size_t, 4> kBatches{0, 8192, 777, 64};
 // The quadratic builder takes hours on larger scenes.
 constexpr std::uint64_t kMostNaive = 25'000;
-
-// Selects the kernels of one SIMD target for the lifetime of this object. No other thread may be
-// working when it is made or destroyed.
-class OnTarget {
- public:
-  explicit OnTarget(std::int64_t target) { hwy::SetSupportedTargetsForTest(target); }
-  ~OnTarget() { hwy::SetSupportedTargetsForTest(0); }
-  OnTarget(const OnTarget&) = delete;
-  OnTarget& operator=(const OnTarget&) = delete;
-};
 
 // One way to answer.
 struct Way {

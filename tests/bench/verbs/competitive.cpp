@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <optional>
 
 #include "accel/published/any_builder.h"
+#include "tests/bench/scenes/point_kinds.h"
 #include "tests/bench/verbs/contenders.h"
 #include "tests/bench/verbs/hit_hash.h"
 #include "tests/bench/verbs/verbs.h"
@@ -33,6 +35,7 @@ struct Task {
   const SceneSource& scene;
   std::size_t batch;
   std::uint64_t triangles;
+  const PointKinds* points;  // null: rays
 };
 
 // Of one policy and kind at one count of rays.
@@ -49,10 +52,20 @@ Status trace_all(const Task& task, const scenegraph::revision::Snapshot& snapsho
     const std::size_t count = std::min(task.batch, rays.size() - first);
     const auto traced =
         scenegraph::trace(snapshot, rays.subspan(first, count), hits.subspan(first, count),
-                          {.growth = growth, .surface = false});
+                          {.growth = growth, .surface = false, .points = task.points != nullptr});
     if (!traced.ok()) return traced.error();
   }
   return {};
+}
+
+Result<std::vector<Ray>> make_questions(const Task& task, const std::string& kind,
+                                        std::size_t count, std::uint64_t seed) {
+  if (task.points == nullptr) return make_rays(task.scene, {kind, count}, seed);
+  tests::Random random(seed);
+  std::vector<Ray> points;
+  for (std::size_t i = 0; i < count; ++i)
+    points.push_back(question_at(task.points->make(kind, random)));
+  return points;
 }
 
 Status run_ours(const Task& task, const Policy& policy, std::span<const Ray> rays,
@@ -85,7 +98,8 @@ Status run_embree(const Task& task, const Policy& policy, std::span<const Ray> r
   return {};
 }
 
-Result<std::vector<Policy>> make_policies(const CommonOptions& common, const SceneSource& scene) {
+Result<std::vector<Policy>> make_policies(const CommonOptions& common, const SceneSource& scene,
+                                          bool points) {
   std::vector<Policy> policies;
   const auto add = [&](std::string name, Growth growth, std::string_view builder) -> Status {
     auto configured = configured_builder(std::string(builder), common);
@@ -100,7 +114,7 @@ Result<std::vector<Policy>> make_policies(const CommonOptions& common, const Sce
                                               std::tuple{"demand", Growth::kDemand, ""}}) {
     if (auto added = add(name, growth, builder); !added.ok()) return added.error();
   }
-  if (!embree_found()) return policies;
+  if (points || !embree_found()) return policies;
   for (const char* const name : {"embree-low", "embree-medium"}) {
     auto peer = EmbreePeer::make(scene, *parse_embree(name), common.threads);
     if (!peer.ok()) return peer.error();
@@ -118,7 +132,7 @@ class KindCosts {
 
   // Policies take turns within each repeat.
   Result<std::vector<Row>> measure(const CommonOptions& common, std::size_t count) {
-    const auto rays = make_rays(task_.scene, {kind_, count}, common.seed);
+    const auto rays = make_questions(task_, kind_, count, common.seed);
     if (!rays.ok()) return rays.error();
     std::vector<Hit> hits(rays->size());
     std::vector<Cost> costs(policies_.size());
@@ -241,12 +255,21 @@ Result<std::vector<Row>> run_competitive(const CommonOptions& common,
   if (common.threads == 1) Stopwatch::use_processor_time();
   const auto scene = make_scene(common);
   if (!scene.ok()) return scene.error();
-  const auto policies = make_policies(common, *scene);
+  const auto policies = make_policies(common, *scene, options.points);
   if (!policies.ok()) return policies.error();
-  const Task task{*scene, options.batch, scene->unique_triangles()};
+  std::shared_ptr<const scenegraph::revision::Snapshot> kept;  // has the meshes of `points`
+  std::optional<PointKinds> points;
+  if (options.points) {
+    const auto snapshot = assemble(*scene, {});
+    if (!snapshot.ok()) return snapshot.error();
+    points.emplace(**snapshot);
+    kept = *snapshot;
+  }
+  const Task task{*scene, options.batch, scene->unique_triangles(), points ? &*points : nullptr};
   std::vector<Row> all;
   Worst worst;
-  for (const std::string& kind : options.kinds) {
+  const std::vector<std::string> of_points{"near", "volume", "far"};
+  for (const std::string& kind : options.points ? of_points : options.kinds) {
     KindCosts costs(task, *policies, kind);
     for (std::size_t count = 1; count <= options.most; count *= 10) {
       const bool measured =
@@ -267,7 +290,7 @@ Result<std::vector<Row>> run_competitive(const CommonOptions& common,
   last["competitive_ratio"] = worst.ratio;
   last["kind"] = worst.at["kind"];
   last["rays"] = worst.at["rays"];
-  if (embree_found()) last["ratio_to_embree"] = worst.to_embree;
+  if (embree_found() && !options.points) last["ratio_to_embree"] = worst.to_embree;
   all.push_back(std::move(last));
   return all;
 }

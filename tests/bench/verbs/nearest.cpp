@@ -1,17 +1,16 @@
 // nearest: the faces nearest to points, beside Embree's point queries.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
 
 #include "scenegraph/query/point_order.h"
 #include "scenegraph/sides.h"
+#include "tests/bench/scenes/point_kinds.h"
 #include "tests/bench/verbs/contenders.h"
 #include "tests/bench/verbs/verbs.h"
 #include "tests/bench/verbs/workload.h"
 #include "tests/support/brute_nearest.h"
-#include "tests/support/random.h"
 
 namespace sightline::bench {
 namespace {
@@ -19,77 +18,11 @@ namespace {
 using accel::geometry::Hit;
 using accel::geometry::Ray;
 using accel::geometry::Vec3d;
-using accel::geometry::Vec3f;
-using tests::Random;
 
 /// Points are timed in chunks, on each of which both take turns.
 constexpr std::size_t kChunk = 8'000;
 /// Answers that the oracle checks.
 constexpr std::size_t kChecked = 500;
-
-struct World {
-  std::vector<tests::PlacedMesh> meshes;
-  Vec3d lo{HUGE_VAL, HUGE_VAL, HUGE_VAL}, hi{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-
-  explicit World(const scenegraph::revision::Snapshot& snapshot)
-      : meshes(tests::placed_meshes(snapshot)) {
-    for (const tests::PlacedMesh& placed : meshes) {
-      for (const Vec3f& v : placed.mesh.vertices) {
-        const Vec3d p = placed.world_from_local.point(Vec3d(v));
-        if (!is_finite(p)) continue;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          lo[axis] = std::min(lo[axis], p[axis]);
-          hi[axis] = std::max(hi[axis], p[axis]);
-        }
-      }
-    }
-  }
-  double diagonal() const { return length(hi - lo); }
-
-  Vec3d on_surface(Random& random) const {
-    for (;;) {
-      const tests::PlacedMesh& placed = meshes[random.below(meshes.size())];
-      if (placed.mesh.faces.empty()) continue;
-      const accel::geometry::Face& face = placed.mesh.faces[random.below(placed.mesh.faces.size())];
-      if (face[0] == accel::geometry::kNoVertex) continue;
-      double u = random.uniform(), v = random.uniform();
-      if (u + v > 1) {
-        u = 1 - u;
-        v = 1 - v;
-      }
-      const auto corner = [&](std::size_t k) {
-        return placed.world_from_local.point(Vec3d(placed.mesh.vertices[face[k]]));
-      };
-      const Vec3d p = corner(0) + (corner(1) - corner(0)) * u + (corner(2) - corner(0)) * v;
-      if (is_finite(p)) return p;
-    }
-  }
-};
-
-/// The sum of twelve uniform numbers is about normal.
-double gaussian(Random& random) {
-  double sum = -6;
-  for (int i = 0; i < 12; ++i) sum += random.uniform();
-  return sum;
-}
-
-/// All are floats: near is a surface point moved by a hundredth of the diagonal, far lies ten of
-/// them away.
-Vec3d make_point(const World& world, const std::string& kind, Random& random) {
-  const Vec3d middle = (world.lo + world.hi) * 0.5;
-  Vec3d p;
-  if (kind == "near" || kind == "touch") {
-    p = world.on_surface(random);
-    const double by = kind == "near" ? 0.01 * world.diagonal() : 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) p[axis] += by * gaussian(random);
-  } else if (kind == "volume") {
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      p[axis] = middle[axis] + 1.2 * (world.hi[axis] - world.lo[axis]) * (random.uniform() - 0.5);
-  } else {
-    p = middle + random.direction() * (10 * world.diagonal());
-  }
-  return Vec3d(Vec3f(p));
-}
 
 Status check(const tests::BruteNearest& oracle, std::span<const Vec3d> points,
              std::span<const Hit> hits) {
@@ -130,7 +63,7 @@ Times measure(const scenegraph::revision::Snapshot& snapshot, EmbreePeer* embree
               std::span<const Vec3d> points, int repeat, std::span<Hit> ours,
               std::span<Hit> theirs) {
   std::vector<Ray> rays;
-  for (const Vec3d& p : points) rays.push_back({.origin = p, .direction = {1, 0, 0}});
+  for (const Vec3d& p : points) rays.push_back(question_at(p));
   scenegraph::TraceOptions options;
   options.points = true;
   options.surface = false;
@@ -179,14 +112,13 @@ Result<std::vector<Row>> run_nearest(const CommonOptions& common, const NearestO
     embree = *std::move(peer);
     if (const auto built = embree->build(); !built.ok()) return built.error();
   }
-  const World world(**snapshot);
-  const tests::BruteNearest oracle(world.meshes);
+  const PointKinds kinds(**snapshot);
+  const tests::BruteNearest oracle(kinds.meshes());
   std::vector<Row> rows;
   for (const std::string& kind : options.kinds) {
-    Random random(common.seed);
+    tests::Random random(common.seed);
     std::vector<Vec3d> points;
-    for (std::size_t i = 0; i < options.count; ++i)
-      points.push_back(make_point(world, kind, random));
+    for (std::size_t i = 0; i < options.count; ++i) points.push_back(kinds.make(kind, random));
     if (options.sorted) points = sorted(points);
     std::vector<Hit> ours(points.size()), theirs(points.size());
     const Times times = measure(**snapshot, embree.get(), points, common.repeat, ours, theirs);

@@ -60,6 +60,7 @@ struct LazyOptions {
 
 struct CompetitiveOptions {
   std::vector<std::string> kinds{"closeup", "random", "diffuse"};
+  bool points = false;                ///< Nearest faces of points: near, volume and far.
   std::size_t measured = 10'000'000;  ///< Larger counts of rays by unit costs.
   std::size_t most = 100'000'000;
   double longest =
@@ -99,6 +100,17 @@ struct NearestOptions {
   std::vector<std::string> kinds{"near", "volume", "far"};
   std::size_t count = 100'000;  ///< The number of points of each kind.
   bool sorted = false;          ///< Points that follow each other are near each other.
+};
+
+struct LazyPointsOptions {
+  std::vector<std::size_t> counts{1, 100, 10'000, 100'000};
+  std::size_t spot = 10'000;
+  std::size_t cold = 31;
+};
+
+struct CheckOptions {
+  std::string family{};            ///< Families whose name begins with this; empty: all.
+  std::size_t points = 1'000'000;  ///< Of all families together.
 };
 
 struct RobustOptions {

@@ -109,6 +109,19 @@ Result<std::vector<Row>> run_remote(const CommonOptions& common, const RemoteOpt
 /// chunks, on each of which the two take turns. A part of the answers is checked by brute force.
 Result<std::vector<Row>> run_nearest(const CommonOptions& common, const NearestOptions& options);
 
+/// What points grow by first touch, in counts: as many points near the surface as rays that end
+/// there, one row for each number; points within a hundredth of the diagonal around one spot. And
+/// the time of one point at a mesh that is not built, which searches it, over that of one ray: one
+/// row for each kind of points.
+Result<std::vector<Row>> run_lazy_points(const CommonOptions& common,
+                                         const LazyPointsOptions& options);
+
+/// Nearest faces and their distances, bit for bit, against the oracle over families of points
+/// (tests/support/point_families.h), in every state of the trees, on every SIMD target, for all
+/// kinds of query, numbers of threads and sizes of batches, one row for each family. Error:
+/// kDataLoss, with the rows, if an answer differs.
+Result<std::vector<Row>> run_check(const CommonOptions& common, const CheckOptions& options);
+
 /// Trace times of the exact hit rule and of a plain float test in the same walk over the same full
 /// trees, one row for each kind of ray. Times are sums of the least times of short chunks, on each
 /// of which the methods take turns.

@@ -244,6 +244,41 @@ TEST(VerbRays, WritesTheFile) {
   std::filesystem::remove(file);
 }
 
+TEST(VerbCheck, ComparesAFamilyInEveryState) {
+  const auto rows = run_check(common(""), {.family = "fan", .points = 60});
+  ASSERT_TRUE(rows.ok()) << rows.error().message;
+  ASSERT_EQ(rows->size(), 2u);
+  for (const Row& row : *rows) {
+    EXPECT_EQ(row["points"], 60);
+    EXPECT_EQ(row["mismatches"], 0);
+    EXPECT_GT(row["nearest_faces"], 60) << "many have one corner";
+    EXPECT_EQ(row["checked"], 12 * 60);
+  }
+  EXPECT_FALSE(run_check(common(""), {.family = "nothing"}).ok());
+}
+
+TEST(VerbLazyPoints, CountsWhatPointsBuild) {
+  const auto rows = run_lazy_points(common("gen:terrain?triangles=20000"),
+                                    {.counts = {1, 50}, .spot = 100, .cold = 3});
+  ASSERT_TRUE(rows.ok()) << rows.error().message;
+  ASSERT_EQ(rows->size(), 6u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    expect_keys((*rows)[i], {"what", "count", "touches_per_triangle", "rays_touches_per_triangle",
+                             "over_rays", "cells_expanded", "share_built"});
+    EXPECT_GT((*rows)[i]["touches_per_triangle"], 0);
+  }
+  EXPECT_LT((*rows)[2]["share_built"], 0.1) << "around one spot";
+  expect_keys((*rows)[3], {"point_ns_per_triangle", "ray_ns_per_triangle", "over_rays"});
+}
+
+TEST(VerbCompetitive, HasPoints) {
+  const auto rows = run_competitive(common("gen:terrain?triangles=5000"),
+                                    {.points = true, .measured = 100, .most = 100});
+  ASSERT_TRUE(rows.ok()) << rows.error().message;
+  ASSERT_EQ(rows->size(), 3u * 3 * 5 + 1);
+  EXPECT_GT(rows->back()["competitive_ratio"], 0);
+}
+
 TEST(Verbs, RefuseUnknownValues) {
   const auto code = [](const auto& result) {
     EXPECT_FALSE(result.ok());
