@@ -32,6 +32,8 @@ std::vector<T> values(const v1::QueryPointsResponse& reply, v1::HitField field) 
 
 class PointsRpc : public LiveServer {
  protected:
+  using LiveServer::LiveServer;
+
   grpc::Status ask(const v1::QueryPointsRequest& request, v1::QueryPointsResponse& reply) {
     grpc::ClientContext context;
     return queries_->QueryPoints(&context, request, &reply);

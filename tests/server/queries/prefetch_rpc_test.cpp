@@ -59,6 +59,7 @@ void expect_grown(const v1::PrefetchResponse& before, const v1::PrefetchResponse
 
 class PrefetchRpcTest : public PointsRpc {
  protected:
+  using PointsRpc::PointsRpc;
   /// Reads to the end. `last` receives the last report.
   grpc::Status prefetch(const v1::PrefetchRequest& request, v1::PrefetchResponse* last = nullptr) {
     grpc::ClientContext context;
