@@ -76,7 +76,8 @@ client::Result<client::CastReport> cast_sent(const client::Client& client,
     const std::size_t count = std::min(load.batch, n - sent);
     if (count > 0) filled[sent / load.batch] = Clock::now();
     const auto take = [&](auto from, auto to, std::size_t width) {
-      if (!from.empty() && !to.empty()) std::copy_n(from.data() + width * sent, width * count, to.data());
+      if (!from.empty() && !to.empty())
+        std::copy_n(from.data() + width * sent, width * count, to.data());
     };
     take(rays.origins, out.origins, 3);
     take(rays.directions, out.directions, 3);

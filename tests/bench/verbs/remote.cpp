@@ -70,8 +70,7 @@ Status measure(const scenegraph::revision::Snapshot& snapshot, const PeerProcess
   RemoteHits hits(load.answer, rays.in_process.size());
   measured.rays = rays.in_process.size();
   const auto in_process = [&] {
-    const auto traced =
-        scenegraph::trace(snapshot, rays.in_process, expected, options_of(load));
+    const auto traced = scenegraph::trace(snapshot, rays.in_process, expected, options_of(load));
     return traced ? Status() : Status(traced.error());
   };
   const auto remote = [&] { return cast_remotely(rays, load, hits, measured.batch_us); };
