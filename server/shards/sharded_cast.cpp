@@ -254,7 +254,7 @@ Status ShardedCast::take(const Call& call) {
     return {};
   }
   if (!call.status.ok()) return error_of_peer(peers_, call.question.shard, call.status);
-  const Status taken = at_sides_ ? take_sides(call) : take_hits(call);
+  Status taken = at_sides_ ? take_sides(call) : take_hits(call);
   if (taken) cost_ += decode_cost(call.stats());
   return taken;
 }
