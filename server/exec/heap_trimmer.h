@@ -16,9 +16,9 @@ class HeapTrimmer {
   static constexpr std::uint64_t kLeastShare = 16;
   /// A pass also pays for this many resident bytes that are not held, more than there once were,
   /// and 1 / kLeastScratchShare of the resident ones. Trees that are still built use them again:
-  /// what is held must have been steady for kSteadyCalls calls. Where a pass returns little, they
-  /// are in use without an account, as what a connection's calls hold, and may be freed later
-  /// unseen: each such pass doubles the calls until the next.
+  /// what is held must have been steady for kSteadyCalls calls. Where a pass returns little, these
+  /// bytes are still in use, such as those of a connection's calls, which have no account. Nothing
+  /// shows when they are freed later, so further passes follow, each after twice as many calls.
   static constexpr std::uint64_t kLeastScratch = std::uint64_t{16} << 20;
   static constexpr std::uint64_t kLeastScratchShare = 8;
   static constexpr std::uint64_t kSteadyCalls = 4;
