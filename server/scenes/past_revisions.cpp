@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <memory>
 #include <new>
+#include <ranges>
 #include <utility>
 
 #include "server/scenes/applied_updates.h"
@@ -48,18 +49,17 @@ void PastRevisions::release_gone(const scenegraph::revision::Snapshot& next) {
     }
   }
   past_.erase(past_.begin() + static_cast<std::ptrdiff_t>(kept), past_.end());
-  for (std::size_t i = 0; i < past_.size(); ++i) {
-    Past& past = past_[i];
-    if (past.charge.bytes() > 2 * past.counted + kGrowth)
-      count(past, i + 1 < past_.size() ? past_[i + 1].nodes.lock() : next.nodes());
+  Nodes after = next.nodes();
+  for (Past& past : std::views::reverse(past_)) {
+    Nodes nodes = past.nodes.lock();
+    if (nodes.size() == 0) continue;  // its last reader has gone just now; a later call sees it
+    if (past.charge.bytes() > 2 * past.counted + kGrowth) {
+      const std::uint64_t held = bytes_of_replaced(nodes.count_not_in(after));
+      past.charge.resize(std::min(past.charge.bytes(), held));
+      past.counted = past.charge.bytes();
+    }
+    after = std::move(nodes);
   }
-}
-
-void PastRevisions::count(Past& past, const Nodes& next) {
-  const Nodes nodes = past.nodes.lock();
-  const std::uint64_t held = bytes_of_replaced(nodes.count_not_in(next));
-  past.charge.resize(std::min(past.charge.bytes(), held));
-  past.counted = past.charge.bytes();
 }
 
 std::uint64_t PastRevisions::bytes(std::uint64_t revision) const {

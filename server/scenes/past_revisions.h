@@ -44,8 +44,6 @@ class PastRevisions {
     std::uint64_t counted = 0;  // what the nodes held when they were counted last
   };
 
-  static void count(Past& past, const Nodes& next);
-
   exec::MemoryAccount& memory_;
   mutable std::mutex mutex_;
   std::vector<Past> past_;  // oldest first
