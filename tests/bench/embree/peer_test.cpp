@@ -11,6 +11,7 @@
 #include "tests/bench/scenes/load_scene.h"
 #include "tests/bench/scenes/ray_kinds.h"
 #include "tests/bench/verbs/disagreement.h"
+#include "tests/support/random.h"
 
 namespace sightline::bench {
 namespace {
@@ -60,6 +61,29 @@ TEST(NodeId, IsTheIndexInTheSourcePlusOne) {
     ASSERT_NE((*snapshot)->find(node_id(n)), nullptr);
     EXPECT_EQ((*snapshot)->find(node_id(n))->name, scene.nodes[n].name);
   }
+}
+
+TEST_F(EmbreePeerTest, FindsTheNearestFacesOfInstances) {
+  const SceneSource scene = family();
+  const auto snapshot = *assemble(scene, {});
+  tests::Random random(3);
+  std::vector<accel::geometry::Vec3d> points;
+  std::vector<accel::geometry::Ray> rays;
+  for (int i = 0; i < 500; ++i) {
+    points.push_back({random.uniform(-5, 5), random.uniform(-5, 5), random.uniform(-5, 5)});
+    rays.push_back({.origin = points.back(), .direction = {1, 0, 0}});
+  }
+  std::vector<accel::geometry::Hit> ours(points.size()), theirs(points.size());
+  ASSERT_TRUE(scenegraph::trace(*snapshot, rays, ours, {.points = true}).ok());
+  auto peer = *EmbreePeer::make(scene, {}, 2);
+  ASSERT_TRUE(peer->build().ok());
+  EXPECT_GT(peer->nearest(points, theirs), 0);
+  int other_nodes = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_NEAR(theirs[i].t, ours[i].t, 1e-5) << i;
+    other_nodes += theirs[i].node != ours[i].node ? 1 : 0;
+  }
+  EXPECT_LE(other_nodes, 5) << "where two nodes are as near";
 }
 
 TEST_F(EmbreePeerTest, AgreesWithOurAnswersForEveryQualityAndKind) {

@@ -37,25 +37,44 @@ Vec3f nearest_point(const Vec3f& p, const Vec3f& a, const Vec3f& b, const Vec3f&
   return a + ab * (vb * share) + ac * (vc * share);
 }
 
+/// A geometry or an instance, by Embree's number of it in the scene.
+struct Target {
+  const EmbreeMesh& mesh;
+  std::uint64_t node = 0;
+};
+
 struct Search {
-  const std::vector<const EmbreeMesh*>& geometries;
+  const std::vector<Target>& targets;
   Vec3f point;
   std::uint64_t node = 0;
   std::uint32_t primitive = 0;
   float distance = HUGE_VALF;
 };
 
+/// A corner in the scene's frame, as the query is.
+Vec3f corner(const Vec3f& v, const RTCPointQueryContext& context) {
+  if (context.instStackSize == 0) return v;
+  const float* m = context.inst2world[0];  // column after column
+  return {m[0] * v.x + m[4] * v.y + m[8] * v.z + m[12],
+          m[1] * v.x + m[5] * v.y + m[9] * v.z + m[13],
+          m[2] * v.x + m[6] * v.y + m[10] * v.z + m[14]};
+}
+
 bool visit(RTCPointQueryFunctionArguments* arguments) {
   auto& search = *static_cast<Search*>(arguments->userPtr);
-  const EmbreeMesh& mesh = *search.geometries[arguments->geomID];
-  const accel::geometry::Face& face = mesh.faces[arguments->primID];
-  const Vec3f nearest = nearest_point(search.point, mesh.vertices[face[0]], mesh.vertices[face[1]],
-                                      mesh.vertices[face[2]]);
+  const RTCPointQueryContext& context = *arguments->context;
+  const Target& target =
+      search.targets[context.instStackSize > 0 ? context.instID[0] : arguments->geomID];
+  const auto& vertices = target.mesh.vertices;
+  const accel::geometry::Face& face = target.mesh.faces[arguments->primID];
+  const Vec3f nearest =
+      nearest_point(search.point, corner(vertices[face[0]], context),
+                    corner(vertices[face[1]], context), corner(vertices[face[2]], context));
   const Vec3f way = nearest - search.point;
   const float distance = std::sqrt(dot(way, way));
   if (!(distance < search.distance)) return false;
   search.distance = distance;
-  search.node = mesh.uses.front().node;
+  search.node = target.node;
   search.primitive = arguments->primID;
   arguments->query->radius = distance;
   return true;  // the radius has changed
@@ -67,16 +86,17 @@ double find_nearest_by_embree(RTCScene scene, const std::vector<EmbreeMesh>& mes
                               const scenegraph::model::Affine& frame,
                               std::span<const accel::geometry::Vec3d> points,
                               std::span<accel::geometry::Hit> hits) {
-  std::vector<const EmbreeMesh*> geometries;
+  std::vector<Target> targets;
   for (const EmbreeMesh& mesh : meshes) {
-    if (!mesh.uses.empty() && !mesh.faces.empty()) geometries.push_back(&mesh);
+    if (mesh.faces.empty()) continue;
+    for (const EmbreeMesh::Use& use : mesh.uses) targets.push_back({mesh, use.node});
   }
   std::vector<Vec3f> rounded;
   for (const auto& point : points) rounded.emplace_back(frame.point(point));
   const Stopwatch clock;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), 512), [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
-      Search search{.geometries = geometries, .point = rounded[i]};
+      Search search{.targets = targets, .point = rounded[i]};
       RTCPointQueryContext context;
       rtcInitPointQueryContext(&context);
       RTCPointQuery query{
