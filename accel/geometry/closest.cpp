@@ -59,10 +59,15 @@ std::optional<double> rounded_distance(const SeenFace& face, const Feature& feat
   return d.high;
 }
 
-/// The distance, unless its last bit is in doubt. Sets the feature that it is the distance of.
+/// The distance of the part that signs of leading doubles are certain of, if they are, unless its
+/// last bit is in doubt. Sets the part.
 std::optional<double> computed_distance(const Vec3d& p, const Matrix& matrix,
-                                        const Vertices& vertices, Feature& feature) {
-  SeenFace face;
+                                        const Vertices& vertices, SeenFace& face,
+                                        Feature& feature) {
+  if (feature.certain) {
+    if (!see_part(p, matrix, vertices, feature, face)) return std::nullopt;
+    return rounded_distance(face, feature);
+  }
   if (!see(p, matrix, vertices, face)) return std::nullopt;
   feature = nearest_feature(BoundedSigns<double>(face, kSignShare, 0));
   if (!feature.certain)
@@ -70,22 +75,18 @@ std::optional<double> computed_distance(const Vec3d& p, const Matrix& matrix,
   return rounded_distance(face, feature);
 }
 
-/// Does so where the matrix is the identity: most features are certain by the leading doubles, and
-/// then the rest of a few numbers is enough.
-std::optional<double> plain_distance(const Vec3d& p, const Matrix& matrix, const Vertices& vertices,
-                                     Feature& feature) {
-  SeenFace face;
-  if (!see_leading(p, vertices, face)) return std::nullopt;
-  feature = nearest_feature(BoundedSigns<double>(face, kSignShare, 0));
-  if (!feature.certain) {
-    see(p, matrix, vertices, face);
-    feature = nearest_feature(BoundedSigns<DoubleDouble>(face, kFineSignShare, 0));
-    return rounded_distance(face, feature);
+/// Whether all corners certainly lie behind a plane across the way, so far behind it that their
+/// distance also rounds to more. `more` is that of see_leading().
+bool is_beyond(const SeenFace& face, double more, const NearestKnown& known) {
+  constexpr double kLeastDistance = 0x1p-700;  // Products with the way do not underflow
+  if (!(known.distance >= kLeastDistance)) return false;
+  const Vec3d way_sizes = sizes(known.way, 0);
+  const double least = known.distance * std::sqrt(dot(known.way, known.way)) * (1 + 0x1p-49);
+  for (const Vec3dd& corner : face.corner) {
+    const Vec3d at = high(corner);
+    if (!(dot(at, known.way) - 0x1p-50 * dot(sizes(at, more), way_sizes) > least)) return false;
   }
-  see_corner(p, vertices, feature.index, face);
-  if (feature.part != Part::kCorner) see_edge(vertices, feature.index, face);
-  if (feature.part == Part::kInside) see_edge(vertices, 2, face);
-  return rounded_distance(face, feature);
+  return true;
 }
 
 /// Whether the nearest point and its weights are off by much less than they are rounded by.
@@ -140,22 +141,57 @@ double distance(const Vec3d& p, const std::array<double, 12>& world_from_local, 
 }
 
 DistancesFrom::DistancesFrom(const Vec3d& p, const Matrix& world_from_local)
-    : p_(without_smallest(p)), matrix_(world_from_local), is_plain_(is_identity(matrix_)) {}
+    : p_(without_smallest(p)),
+      matrix_(world_from_local),
+      is_plain_(is_identity(matrix_)),
+      is_in_range_(is_plain_ || is_in_range(matrix_)) {}
 
 double DistancesFrom::to(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
   const Vertices vertices = {a, b, c};
-  if (has_nearest(vertices)) return distance_;
+  if (is_plain_ && has_nearest(vertices)) return distance_;
+  SeenFace face;
   Feature feature;
-  const std::optional<double> computed = is_plain_
-                                             ? plain_distance(p_, matrix_, vertices, feature)
-                                             : computed_distance(p_, matrix_, vertices, feature);
+  std::optional<double> computed;
+  // Without a corner or edge that may be the nearest again, all corners are exact at once.
+  if (is_plain_ || corners_ > 0) {
+    if (is_in_range_) {
+      const double more = see_leading(p_, matrix_, is_plain_, vertices, face);
+      if (is_in_range(face))
+        feature = nearest_feature(BoundedSigns<double>(face, kSignShare, more));
+      if (feature.certain && !is_plain_ && is_nearest(vertices, feature)) return distance_;
+    }
+  }
+  computed = computed_distance(p_, matrix_, vertices, face, feature);
   distance_ = computed ? *computed : exact_distance(p_, matrix_, vertices);
   corners_ = 0;
-  if (is_plain_ && feature.certain && feature.part != Part::kInside) {
+  if (computed && feature.certain && feature.part != Part::kInside) {
     corners_ = feature.part == Part::kCorner ? 1 : 2;
     nearest_ = {vertices[feature.index], vertices[corner_after(feature.index)]};
   }
   return distance_;
+}
+
+/// Whether the corner or edge, which certainly is the nearest part, was the nearest before.
+bool DistancesFrom::is_nearest(const Vertices& vertices, const Feature& feature) const {
+  const Vec3f &begin = vertices[feature.index], &end = vertices[corner_after(feature.index)];
+  if (feature.part == Part::kCorner) return corners_ == 1 && begin == nearest_[0];
+  return feature.part == Part::kEdge && corners_ == 2 &&
+         ((begin == nearest_[0] && end == nearest_[1]) ||
+          (begin == nearest_[1] && end == nearest_[0]));
+}
+
+bool DistancesFrom::approach(const Vec3f& a, const Vec3f& b, const Vec3f& c,
+                             NearestKnown& known) const {
+  if (!is_in_range_) return true;
+  SeenFace face;
+  const double more = see_leading(p_, matrix_, is_plain_, {a, b, c}, face);
+  if (is_beyond(face, more, known)) return false;
+  for (const Vec3dd& corner : face.corner) {
+    const Vec3d way = high(corner);
+    const double distance = std::sqrt(dot(way, way)) * (1 + 0x1p-50) + 0x1p-52 * more;
+    if (distance < known.distance && are_in_range(way, way, way)) known = {distance, way};
+  }
+  return true;
 }
 
 bool DistancesFrom::has_nearest(const Vertices& vertices) const {

@@ -5,10 +5,14 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 
 #include "accel/geometry/vec3.h"
 
 namespace sightline::accel::geometry {
+
+struct Feature;
+struct SeenFace;
 
 /// Returns the distance of p from the face with corners M a, M b, M c, where M is
 /// `world_from_local`: 3 rows of 4, the last column is the translation. All numbers are used as
@@ -21,6 +25,12 @@ namespace sightline::accel::geometry {
 double distance(const Vec3d& p, const std::array<double, 12>& world_from_local, const Vec3f& a,
                 const Vec3f& b, const Vec3f& c);
 
+/// What is known of the face that is nearest to a point.
+struct NearestKnown {
+  double distance = std::numeric_limits<double>::infinity();  ///< It is at most so far,
+  Vec3d way;  ///< in about this direction, of any length; zero: not known.
+};
+
 /// Asks for distances of several faces from one point, under one matrix. Those around the corner or
 /// the edge that was nearest before are as far, and cost less.
 class DistancesFrom {
@@ -31,16 +41,22 @@ class DistancesFrom {
   /// What distance() returns.
   double to(const Vec3f& a, const Vec3f& b, const Vec3f& c);
 
+  /// Returns false if to() would certainly return more than for the face that `known` is about.
+  /// Otherwise sets `known` to the nearest corner of this face, if that is nearer.
+  bool approach(const Vec3f& a, const Vec3f& b, const Vec3f& c, NearestKnown& known) const;
+
  private:
   using Vertices = std::array<Vec3f, 3>;
 
   bool has_corner(const Vertices& vertices, std::size_t i) const;
   bool has_edge(const Vertices& vertices, std::size_t i) const;
   bool has_nearest(const Vertices& vertices) const;
+  bool is_nearest(const Vertices& vertices, const Feature& feature) const;
 
   const Vec3d p_;
   const std::array<double, 12>& matrix_;
-  const bool is_plain_;  // The matrix is the identity.
+  const bool is_plain_;     // The matrix is the identity.
+  const bool is_in_range_;  // The matrix is.
   /// The corners of the part that was nearest to the point: none, one or two.
   std::size_t corners_ = 0;
   std::array<Vec3f, 2> nearest_;

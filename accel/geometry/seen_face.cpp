@@ -95,67 +95,8 @@ class Transform {
   std::array<DoubleDouble, 12> halves_;
 };
 
-bool in_range(const Matrix& matrix) {
-  SizeRange range;
-  for (std::size_t i = 0; i < 12; i += 3) range.add({matrix[i], matrix[i + 1], matrix[i + 2]});
-  return range.within(kLargestFactor);
-}
-
-bool in_range(const SeenFace& face) {
-  SizeRange range;
-  for (const Vec3dd& v : face.corner) range.add(high(v));
-  for (const Vec3dd& v : face.edge) range.add(high(v));
-  return range.within(kLargestSize);
-}
-
 Vec3dd exact_difference(const Vec3d& a, const Vec3d& b) {
   return {two_sum(a.x, -b.x), two_sum(a.y, -b.y), two_sum(a.z, -b.z)};
-}
-
-void see_plain(const Vec3d& p, const std::array<Vec3f, 3>& vertices, SeenFace& face) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    see_corner(p, vertices, i, face);
-    see_edge(vertices, i, face);
-  }
-}
-
-void see_transformed(const Vec3d& p, const Matrix& matrix, const std::array<Vec3f, 3>& vertices,
-                     SeenFace& face) {
-  const Transform transform(matrix);
-  for (std::size_t i = 0; i < 3; ++i) {
-    double error = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      CompensatedSum sum = transform.transformed(vertices[i], axis);
-      sum.add(-p[axis]);
-      const CompensatedSum::Total total = sum.total();
-      face.corner[i][axis] = total.value;
-      error += total.error;
-    }
-    face.error = std::max(face.error, error);
-  }
-  for (std::size_t i = 0; i < 3; ++i) face.edge[i] = face.corner[corner_after(i)] - face.corner[i];
-}
-
-}  // namespace
-
-bool is_identity(const Matrix& matrix) { return matrix == kIdentity; }
-
-bool are_in_range(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-  SizeRange range;
-  range.add(a);
-  range.add(b);
-  range.add(c);
-  return range.within(kLargestSize);
-}
-
-bool see_leading(const Vec3d& p, const std::array<Vec3f, 3>& vertices, SeenFace& face) {
-  const auto leading = [](const Vec3d& v) { return Vec3dd{{v.x}, {v.y}, {v.z}}; };
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Vec3d v(vertices[i]);
-    face.corner[i] = leading(v - p);
-    face.edge[i] = leading(Vec3d(vertices[corner_after(i)]) - v);
-  }
-  return in_range(face);
 }
 
 void see_corner(const Vec3d& p, const std::array<Vec3f, 3>& vertices, std::size_t i,
@@ -167,15 +108,111 @@ void see_edge(const std::array<Vec3f, 3>& vertices, std::size_t i, SeenFace& fac
   face.edge[i] = exact_difference(Vec3d(vertices[corner_after(i)]), Vec3d(vertices[i]));
 }
 
+void see_corner(const Vec3d& p, const Transform& transform, const std::array<Vec3f, 3>& vertices,
+                std::size_t i, SeenFace& face) {
+  double error = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    CompensatedSum sum = transform.transformed(vertices[i], axis);
+    sum.add(-p[axis]);
+    const CompensatedSum::Total total = sum.total();
+    face.corner[i][axis] = total.value;
+    error += total.error;
+  }
+  face.error = std::max(face.error, error);
+}
+
+}  // namespace
+
+bool is_identity(const Matrix& matrix) { return matrix == kIdentity; }
+
+bool is_in_range(const Matrix& matrix) {
+  SizeRange range;
+  for (std::size_t i = 0; i < 12; i += 3) range.add({matrix[i], matrix[i + 1], matrix[i + 2]});
+  return range.within(kLargestFactor);
+}
+
+bool is_in_range(const SeenFace& face) {
+  SizeRange range;
+  for (const Vec3dd& v : face.corner) range.add(high(v));
+  for (const Vec3dd& v : face.edge) range.add(high(v));
+  return range.within(kLargestSize);
+}
+
+bool are_in_range(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  SizeRange range;
+  range.add(a);
+  range.add(b);
+  range.add(c);
+  return range.within(kLargestSize);
+}
+
+double see_leading(const Vec3d& p, const Matrix& matrix, bool plain,
+                   const std::array<Vec3f, 3>& vertices, SeenFace& face) {
+  const auto leading = [](const Vec3d& v) { return Vec3dd{{v.x}, {v.y}, {v.z}}; };
+  if (plain) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3d v(vertices[i]);
+      face.corner[i] = leading(v - p);
+      face.edge[i] = leading(Vec3d(vertices[corner_after(i)]) - v);
+    }
+    return 0;
+  }
+  Vec3d largest;
+  std::array<Vec3d, 3> corner;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double* const row = &matrix[4 * axis];
+    const double origin = row[3] - p[axis], size = std::fabs(row[3]) + std::fabs(p[axis]);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double x = row[0] * static_cast<double>(vertices[i].x),
+                   y = row[1] * static_cast<double>(vertices[i].y),
+                   z = row[2] * static_cast<double>(vertices[i].z);
+      corner[i][axis] = ((x + y) + z) + origin;
+      largest[axis] =
+          std::max(largest[axis], ((std::fabs(x) + std::fabs(y)) + std::fabs(z)) + size);
+    }
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    face.corner[i] = leading(corner[i]);
+    face.edge[i] = leading(corner[corner_after(i)] - corner[i]);
+  }
+  return 8 * std::max({largest.x, largest.y, largest.z});  // five roundings
+}
+
+bool see_part(const Vec3d& p, const Matrix& matrix, const std::array<Vec3f, 3>& vertices,
+              const Feature& part, SeenFace& face) {
+  if (is_identity(matrix)) {
+    const std::size_t i = part.index;
+    see_corner(p, vertices, i, face);
+    if (part.part != Part::kCorner) see_edge(vertices, i, face);
+    if (part.part == Part::kInside) see_edge(vertices, 2, face);
+    return true;  // the leading doubles are in range
+  }
+  const Transform transform(matrix);
+  const std::size_t count = part.part == Part::kCorner ? 1 : part.part == Part::kEdge ? 2 : 3;
+  std::size_t i = part.index;
+  for (std::size_t k = 0; k < count; ++k, i = corner_after(i))
+    see_corner(p, transform, vertices, i, face);
+  if (count > 1)
+    face.edge[part.index] = face.corner[corner_after(part.index)] - face.corner[part.index];
+  if (count > 2) face.edge[2] = face.corner[0] - face.corner[2];
+  return is_in_range(face);
+}
+
 bool see(const Vec3d& p, const Matrix& matrix, const std::array<Vec3f, 3>& vertices,
          SeenFace& face) {
   if (is_identity(matrix)) {
-    see_plain(p, vertices, face);
+    for (std::size_t i = 0; i < 3; ++i) {
+      see_corner(p, vertices, i, face);
+      see_edge(vertices, i, face);
+    }
   } else {
-    if (!in_range(matrix)) return false;
-    see_transformed(p, matrix, vertices, face);
+    if (!is_in_range(matrix)) return false;
+    const Transform transform(matrix);
+    for (std::size_t i = 0; i < 3; ++i) see_corner(p, transform, vertices, i, face);
+    for (std::size_t i = 0; i < 3; ++i)
+      face.edge[i] = face.corner[corner_after(i)] - face.corner[i];
   }
-  return in_range(face);
+  return is_in_range(face);
 }
 
 std::optional<Vec3d> rounded_corner(const Matrix& matrix, const Vec3f& v) {

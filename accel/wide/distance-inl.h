@@ -66,8 +66,10 @@ struct Distances {
   Floats low, high;  ///< The distances are not below, and not above.
 };
 
-/// `size` is at least the distance of the farthest corner. The point is off by at most `off`.
-HWY_INLINE Distances distances(const Triangles16& t, const Floats& size, const Floats& off) {
+/// `size` is at least the distance of the farthest corner times the share by which the errors of
+/// corners and edges may exceed those of differences. The point is off by at most `off`.
+HWY_INLINE Distances distances(const Triangles16& t, const Floats& size, const Floats& share,
+                               const Floats& off) {
   const Floats zero = Floats::set(0), one = Floats::set(1), tiny = Floats::set(0x1p-120f);
   const Floats ab = dot(t.ab, t.ab), ac = dot(t.ac, t.ac), bc = dot(t.bc, t.bc);
   const Segments on_ab(t.a, t.ab, ab), on_ac(t.a, t.ac, ac), on_bc(t.b, t.bc, bc);
@@ -79,7 +81,8 @@ HWY_INLINE Distances distances(const Triangles16& t, const Floats& size, const F
   const Floats per_normal = inverse_root(Floats::pick(has_normal, squared_normal, one));
   const Floats to_plane = abs(dot(normal, t.a)) * per_normal;
   // Errors are shares of the distance to the farthest corner.
-  const Floats edge = squared_edge * inverse_root(squared_edge) * Floats::set(1 + 0x1p-10f);
+  const Floats edge = squared_edge * inverse_root(squared_edge) *
+                      mul_add(share, Floats::set(0x1p-19f), Floats::set(1 + 0x1p-10f));
   const Floats plane_error =
       mul_add(squared_edge * per_normal, Floats::set(0x1p-19f), Floats::set(0x1p-20f)) * size;
   // Whether the point is above the triangle: the products of the normal and, for each edge, of a

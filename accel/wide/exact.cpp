@@ -2,6 +2,7 @@
 // the same bits as geometry::intersect, which decides what doubles leave open.
 #include "accel/wide/exact.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -162,21 +163,38 @@ class FacesOfPoint {
 
   /// Returns what offer() does.
   bool decide(const std::uint32_t* words, std::uint32_t triangle) {
-    const Block block(words);
-    if (packet_.placed.all != nullptr) {
-      const PlacedTriangle face(packet_, block, triangle);
-      const double distance =
-          from(*face.mesh.scene_from_local).to(face.corner(0), face.corner(1), face.corner(2));
-      return offer(packet_, lane_, distance, face.offered(packet_));
-    }
-    const double distance =
-        from(*packet_.scene_from_local)
-            .to(corner_of(packet_, block, 0, triangle), corner_of(packet_, block, 1, triangle),
-                corner_of(packet_, block, 2, triangle));
-    return offer(packet_, lane_, distance, offered(words, triangle));
+    double distance = 0;
+    const OfferedTriangle asked = ask(words, triangle, [&](auto& from, const auto&... corners) {
+      distance = from.to(corners...);
+    });
+    return offer(packet_, lane_, distance, asked);
+  }
+
+  /// Returns false if the face is certainly farther than the nearest corner that is known.
+  /// Otherwise its corners are known.
+  bool approach(const std::uint32_t* words, std::uint32_t triangle) {
+    bool may_be_near = true;
+    ask(words, triangle, [&](const auto& from, const auto&... corners) {
+      may_be_near = from.approach(corners..., packet_.near.known[lane_]);
+    });
+    return may_be_near;
   }
 
  private:
+  /// Calls do_ask(DistancesFrom&, a, b, c), and returns the triangle for offer().
+  template <class Ask>
+  OfferedTriangle ask(const std::uint32_t* words, std::uint32_t triangle, const Ask& do_ask) {
+    const Block block(words);
+    if (packet_.placed.all != nullptr) {
+      const PlacedTriangle face(packet_, block, triangle);
+      do_ask(from(*face.mesh.scene_from_local), face.corner(0), face.corner(1), face.corner(2));
+      return face.offered(packet_);
+    }
+    do_ask(from(*packet_.scene_from_local), corner_of(packet_, block, 0, triangle),
+           corner_of(packet_, block, 1, triangle), corner_of(packet_, block, 2, triangle));
+    return offered(words, triangle);
+  }
+
   geometry::DistancesFrom& from(const Matrix& matrix) {
     if (matrix_ != &matrix) from_.emplace(point_, matrix);
     matrix_ = &matrix;
@@ -361,56 +379,75 @@ bool decide_lanes(Packet& packet, std::uint32_t lanes, const std::uint32_t* word
   return decide_pairs(packet, {blocks, triangles}, lanes);
 }
 
+namespace {
+
+/// Decides the candidates of a point. Most of them are faces around one corner or edge.
+void resolve_point(Packet& packet, std::size_t lane) {
+  const Candidates& all = packet.candidates;
+  std::optional<FacesOfPoint> faces;
+  for (std::size_t i = 0; i < all.count[lane]; ++i) {
+    // The negation also includes a distance that is NaN.
+    if (all.low[lane][i] > packet.floats.high[lane]) continue;
+    if (!faces) faces.emplace(packet, lane);
+    if (faces->decide(all.block[lane][i], all.triangle[lane][i])) tighten(packet, lane);
+  }
+}
+
+/// Drops the candidates of a lane that `keeps` does not want: a function of their numbers.
+template <class Keeps>
+void keep_if(Candidates& all, std::size_t lane, const Keeps& keeps) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < all.count[lane]; ++i) {
+    if (!keeps(i)) continue;
+    all.block[lane][kept] = all.block[lane][i];
+    all.low[lane][kept] = all.low[lane][i];
+    all.triangle[lane][kept] = all.triangle[lane][i];
+    ++kept;
+  }
+  all.count[lane] = static_cast<std::uint8_t>(kept);
+}
+
+/// Drops candidates of a point that are farther than the nearest corner of all, by less than floats
+/// can tell, and decides the others where they are still as many.
+void thin_out(Packet& packet, std::size_t lane) {
+  Candidates& all = packet.candidates;
+  FacesOfPoint faces(packet, lane);
+  keep_if(all, lane,
+          [&](std::size_t i) { return faces.approach(all.block[lane][i], all.triangle[lane][i]); });
+  if (all.count[lane] < kCandidates) return;
+  resolve_point(packet, lane);
+  all.count[lane] = 0;
+}
+
+}  // namespace
+
 void remember(Packet& packet, std::size_t lane, const std::uint32_t* block, std::uint32_t triangle,
               float low) {
   Candidates& all = packet.candidates;
-  std::size_t count = all.count[lane];
-  if (count == kCandidates) {
+  if (all.count[lane] == kCandidates) {
     const float high = packet.floats.high[lane];
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      if (all.low[lane][i] > high) continue;
-      all.block[lane][kept] = all.block[lane][i];
-      all.low[lane][kept] = all.low[lane][i];
-      all.triangle[lane][kept] = all.triangle[lane][i];
-      ++kept;
-    }
-    all.count[lane] = static_cast<std::uint8_t>(kept);
-    count = kept;
-    if (count == kCandidates) {
+    keep_if(all, lane, [&](std::size_t i) { return !(all.low[lane][i] > high); });
+    if (all.count[lane] == kCandidates && packet.points != nullptr) thin_out(packet, lane);
+    if (all.count[lane] == kCandidates) {
       decide(packet, lane, block, triangle);
       return;
     }
   }
+  const std::size_t count = all.count[lane];
   all.block[lane][count] = block;
   all.low[lane][count] = low;
   all.triangle[lane][count] = static_cast<std::uint8_t>(triangle);
   all.count[lane] = static_cast<std::uint8_t>(count + 1);
 }
 
-namespace {
-
-/// Decides the candidates of points. Most of those of a point are faces around one corner or edge.
-void resolve_points(Packet& packet, std::uint32_t lanes) {
-  const Candidates& all = packet.candidates;
-  for (; lanes != 0; lanes &= lanes - 1) {
-    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
-    std::optional<FacesOfPoint> faces;
-    for (std::size_t i = 0; i < all.count[lane]; ++i) {
-      // The negation also includes a distance that is NaN.
-      if (all.low[lane][i] > packet.floats.high[lane]) continue;
-      if (!faces) faces.emplace(packet, lane);
-      if (faces->decide(all.block[lane][i], all.triangle[lane][i])) tighten(packet, lane);
-    }
-  }
-}
-
-}  // namespace
-
 void resolve(Packet& packet, std::uint32_t lanes) {
-  if (packet.points != nullptr) return resolve_points(packet, lanes);
-  resolve_best(packet, lanes);
-  resolve_others(packet, lanes);
+  if (packet.points == nullptr) {
+    resolve_best(packet, lanes);
+    resolve_others(packet, lanes);
+    return;
+  }
+  for (; lanes != 0; lanes &= lanes - 1)
+    resolve_point(packet, static_cast<std::size_t>(std::countr_zero(lanes)));
 }
 
 }  // namespace sightline::accel::wide

@@ -10,6 +10,7 @@
 #include <span>
 
 #include "accel/geometry/aabb.h"
+#include "accel/geometry/closest.h"
 #include "accel/geometry/facing.h"
 #include "accel/geometry/local_ray.h"
 #include "accel/wide/placed_mesh.h"
@@ -89,22 +90,34 @@ struct FloatRays {
 /// What floats know of points, in a tree's frame. docs/distance_rule.md has the bounds. What lies
 /// farther than `FloatRays::high` there does not matter.
 struct FloatPoints {
-  /// A point is high + low. Where the tree is a mesh's, the point as the mesh sees it.
+  /// A point is high + low, stretched as vertices are. Where the tree is a mesh's, the point as the
+  /// mesh sees it.
   std::array<Column<float>, 3> high, low;
-  Column<float> off;  ///< How far that is off, in the frame.
+  Column<float> off;  ///< How far that, and vertices that are stretched, are off.
+  /// The point for boxes, which are not stretched, and how far it is off on each axis: at most a
+  /// finite number, as the box of a child that does not exist is infinitely far.
+  std::array<Column<float>, 3> box_at, box_off;
   /// A power of two by which differences of the point and vertices are below 1, and its inverse.
   Column<float> unit, per_unit;
-  Column<float> limit_squared;  ///< FloatRays::high, squared.
-  Column<float> sure;           ///< Faces up to here are certainly near enough.
-  Column<float> slack;          ///< See `spread`.
+  Column<float> limit_squared;           ///< FloatRays::high, squared.
+  Column<float> sure;                    ///< Faces up to here are certainly near enough.
+  Column<float> slack;                   ///< See `spread`.
+  Column<geometry::NearestKnown> known;  ///< What doubles know of the nearest corner.
   /// A face that is not farther than d in the frame is no farther in the scene than another one at
   /// d * spread + slack.
   float spread = 1;
   /// A bound on the distance, in the scene, between a point and what the mesh sees as it.
   Column<double> scene_off;
-  double per_scene = 1;  ///< At most this length in the mesh's frame is one in the scene.
-  double per_local = 1;  ///< At most this length in the scene is one in the mesh's frame.
-  bool alike = false;    ///< Whether all points see the same faces, at any distance.
+  double per_scene = 1;       ///< At most this length in the frame is one in the scene.
+  double per_local = 1;       ///< At most this length in the scene is one in the frame.
+  double mesh_per_scene = 1;  ///< At most this length in the mesh's own frame is one in the scene.
+  /// Whether the node stretches its mesh more in one direction than in another. Then vertices and
+  /// points are multiplied by `metric`, whose rows are (0, 1, 2), (-, 3, 4) and (-, -, 5), which
+  /// shortens all vectors: so they are as long as in the scene, but for a factor.
+  bool stretched = false;
+  std::array<float, 6> metric;
+  float share = 1;     ///< Errors of stretched edges are at most those of others times this.
+  bool alike = false;  ///< Whether all points see the same faces, at any distance.
 };
 
 /// A triangle of each ray, relative to the tree's center.

@@ -37,9 +37,12 @@ class Point {
   HWY_INLINE Point(const Walked& walked, std::size_t lane)
       : walked_(walked), packet_(walked.packet), lane_(lane) {
     const FloatPoints& near = packet_.near;
+    geometry::Vec3f off;
+    for (std::size_t axis = 0; axis < 3; ++axis) off[axis] = near.box_off[axis][lane];
+    off = stretched_off(near, off);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      at_[axis] = Boxes::set(near.high[axis][lane]);
-      off_[axis] = Boxes::set(off_of_boxes(near, axis, lane));
+      at_[axis] = Boxes::set(near.box_at[axis][lane]);
+      off_[axis] = Boxes::set(off[axis]);
     }
   }
 
@@ -66,13 +69,9 @@ class Point {
   /// Limits the point by its distance from a vertex that it sees, as landmark() returns it.
   void limit_by(const geometry::Vec3f& vertex) {
     const FloatPoints& near = packet_.near;
-    float squared = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const float way = (vertex[axis] - near.high[axis][lane_]) - near.low[axis][lane_];
-      squared += way * way;
-    }
-    const float way = std::sqrt(squared) * (1 + 0x1p-20f) + near.off[lane_];
-    if (0x1p-40f < way && way < 0x1p+60f) lower_by(way);
+    const geometry::Vec3f way = seen_from(stretched(near, vertex));
+    const float length = std::sqrt(dot(way, way)) * (1 + 0x1p-20f) + near.off[lane_];
+    if (0x1p-40f < length && length < 0x1p+60f) lower_by(length);
   }
   /// A vertex of the block that has lowered the limit last; infinite if none has.
   const geometry::Vec3f& landmark() const { return landmark_; }
@@ -90,15 +89,16 @@ class Point {
   HWY_INLINE bool visit_node(Entry& entry, Stack<Entry>& stack) {
     ++nodes_;
     const kdtree::WideNode& node = *entry.at.node();
+    const std::array<Boxes, 3> gap = packet_.near.stretched ? stretched_gaps(node) : gaps(node);
     const auto squared_gap = [&](std::size_t axis) {
-      const Boxes lo = Boxes::load(node.bounds[2 * axis].data()),
-                  hi = Boxes::load(node.bounds[2 * axis + 1].data());
-      const Boxes gap = max(max(lo - at_[axis], at_[axis] - hi) - off_[axis], Boxes::set(0));
-      return gap * gap;
+      const Boxes beyond = max(gap[axis] - off_[axis], Boxes::set(0));
+      return beyond * beyond;
     };
     const Boxes squared =
         (squared_gap(0) + squared_gap(1) + squared_gap(2)) * Boxes::set(1 - 0x1p-20f);
     std::uint32_t met = squared <= Boxes::set(packet_.near.limit_squared[lane_]);
+    // The gaps of a child that does not exist are not numbers when they are stretched.
+    met &= Boxes::load(node.bounds[0].data()) <= Boxes::load(node.bounds[1].data());
     if (met == 0) return false;
     const auto first = static_cast<std::size_t>(std::countr_zero(met));
     prefetch(node, met);
@@ -155,18 +155,18 @@ class Point {
     const auto column = [&](std::size_t axis) {
       return Floats::load_unaligned(block.x + axis * block.vertices);
     };
-    const auto relative = [&](std::size_t axis) {
-      return ((column(axis) - Floats::set(near.high[axis][lane_])) -
-              Floats::set(near.low[axis][lane_])) *
+    const Vectors16 at = measure({column(0), column(1), column(2)});
+    const auto relative = [&](const Floats& x, std::size_t axis) {
+      return ((x - Floats::set(near.high[axis][lane_])) - Floats::set(near.low[axis][lane_])) *
              unit;
     };
-    const Vectors16 seen{relative(0), relative(1), relative(2)};
+    const Vectors16 seen{relative(at.x, 0), relative(at.y, 1), relative(at.z, 2)};
     const Floats squared = dot(seen, seen);
     const std::uint32_t vertices = (2u << (block.vertices - 1)) - 1;
     const std::size_t nearest = least_of(vertices, squared);
+    const float before = packet_.floats.high[lane_];
     const Way way = way_to(block, nearest, seen, squared);
     if (is_beyond(way, vertices)) return;
-    const float before = packet_.floats.high[lane_];
     if (!remember_corner(words, way, squared)) visit_triangles(words, seen, squared);
     // All points see a vertex if they see all faces.
     if (packet_.placed.visible == nullptr && packet_.floats.high[lane_] < before)
@@ -196,6 +196,54 @@ class Point {
     return false;
   }
 
+  /// How far the boxes of the children are from the point on each axis.
+  HWY_INLINE std::array<Boxes, 3> gaps(const kdtree::WideNode& node) const {
+    const auto gap = [&](std::size_t axis) {
+      const Boxes lo = Boxes::load(node.bounds[2 * axis].data()),
+                  hi = Boxes::load(node.bounds[2 * axis + 1].data());
+      return max(lo - at_[axis], at_[axis] - hi);
+    };
+    return {gap(0), gap(1), gap(2)};
+  }
+
+  /// How far the boxes around their stretched selves are.
+  HWY_INLINE std::array<Boxes, 3> stretched_gaps(const kdtree::WideNode& node) const {
+    std::array<Boxes, 3> center, half;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const Boxes lo = Boxes::load(node.bounds[2 * axis].data()) - at_[axis],
+                  hi = Boxes::load(node.bounds[2 * axis + 1].data()) - at_[axis];
+      center[axis] = (lo + hi) * Boxes::set(0.5f);
+      half[axis] = (hi - lo) * Boxes::set(0.5f);
+      // What roundings lose on the way.
+      half[axis] = mul_add(abs(center[axis]) + half[axis], Boxes::set(0x1p-20f), half[axis]);
+    }
+    const auto gap = [&](std::size_t row, std::size_t first) {
+      Boxes middle = Boxes::set(0), reach = Boxes::set(0);
+      for (std::size_t axis = row; axis < 3; ++axis) {
+        const float r = packet_.near.metric[first + axis - row];
+        middle = mul_add(Boxes::set(r), center[axis], middle);
+        reach = mul_add(Boxes::set(std::fabs(r)), half[axis], reach);
+      }
+      return abs(middle) - reach;
+    };
+    return {gap(0, 0), gap(1, 3), gap(2, 5)};
+  }
+
+  /// A vertex, as stretched() gives it, relative to the point.
+  HWY_INLINE geometry::Vec3f seen_from(const geometry::Vec3f& vertex) const {
+    const auto relative = [&](float x, std::size_t axis) {
+      return (x - packet_.near.high[axis][lane_]) - packet_.near.low[axis][lane_];
+    };
+    return {relative(vertex.x, 0), relative(vertex.y, 1), relative(vertex.z, 2)};
+  }
+
+  HWY_INLINE Vectors16 measure(const Vectors16& v) const {
+    if (!packet_.near.stretched) return v;
+    const auto r = [this](std::size_t i) { return Floats::set(packet_.near.metric[i]); };
+    return {mul_add(r(0), v.x, mul_add(r(1), v.y, r(2) * v.z)), mul_add(r(3), v.y, r(4) * v.z),
+            r(5) * v.z};
+  }
+
   /// Tests the triangles of a block whose vertices are seen so, relative to the point and in its
   /// units.
   HWY_INLINE void visit_triangles(const std::uint32_t* words, const Vectors16& seen,
@@ -219,10 +267,11 @@ class Point {
       at[k] = {axes[0].vertices(of), axes[1].vertices(of), axes[2].vertices(of)};
       if (k < 2) corners[k] = {axes[0].corners(of), axes[1].corners(of), axes[2].corners(of)};
     }
-    Distances found =
-        distances({corners[0], corners[1], at[1] - at[0], at[2] - at[0], at[2] - at[1]},
-                  Floats::set(size * (1 + 0x1p-10f) + 0x1p-60f),
-                  Floats::set(near.off[lane_] * near.unit[lane_] + 0x1p-59f));
+    const float most = size * (1 + 0x1p-10f) + 0x1p-60f;
+    Distances found = distances({corners[0], corners[1], measure(at[1] - at[0]),
+                                 measure(at[2] - at[0]), measure(at[2] - at[1])},
+                                Floats::set(most * near.share), Floats::set(near.share),
+                                Floats::set(near.off[lane_] * near.unit[lane_] + 0x1p-59f));
     found.low = found.low * per_unit;
     found.high = found.high * per_unit;
     const std::uint32_t all = (2u << (block.triangles - 1)) - 1;
@@ -273,14 +322,10 @@ class Point {
   HWY_INLINE Way way_to(const blocks::Block& block, std::size_t vertex, const Vectors16& seen,
                         const Floats& squared) const {
     const FloatPoints& near = packet_.near;
-    const auto relative = [&](float x, std::size_t axis) {
-      return ((x - near.high[axis][lane_]) - near.low[axis][lane_]) * near.unit[lane_];
-    };
-    const float x = relative(block.x[vertex], 0), y = relative(block.y[vertex], 1),
-                z = relative(block.z[vertex], 2);
-    const Floats along =
-        mul_add(seen.x, Floats::set(x), mul_add(seen.y, Floats::set(y), seen.z * Floats::set(z)));
-    const float length = x * x + y * y + z * z;
+    const geometry::Vec3f g = seen_from(stretched(near, block.vertex(vertex))) * near.unit[lane_];
+    const Floats along = mul_add(seen.x, Floats::set(g.x),
+                                 mul_add(seen.y, Floats::set(g.y), seen.z * Floats::set(g.z)));
+    const float length = dot(g, g);
     const Floats aside =
         mul_add(squared, Floats::set(length * (0x1p-4f * (1 + 0x1p-17f))), Floats::set(0x1p-100f));
     return {along, length, (along > Floats::set(0)) & (along * along > aside)};

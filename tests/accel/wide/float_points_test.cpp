@@ -114,38 +114,112 @@ TEST(FloatPoints, HaveNoLimitWhereFloatsCannotSeeThem) {
 }
 
 /// Lengths in a mesh's frame bound those in the scene, also where it is stretched or off.
-TEST(FloatPoints, CompareLengthsInBothFrames) {
-  tests::Random random(3);
-  for (int round = 0; round < 200; ++round) {
-    Matrix forth{};
-    for (std::size_t i = 0; i < 3; ++i) forth[5 * i] = std::exp2(random.uniform(-6, 6));
+using geometry::Vec3d;
+
+Vec3d linear(const Matrix& m, const Vec3d& v) {
+  const auto row = [&](std::size_t i) {
+    return m[4 * i] * v.x + m[4 * i + 1] * v.y + m[4 * i + 2] * v.z;
+  };
+  return {row(0), row(1), row(2)};
+}
+double length_of(const Vec3d& v) { return std::sqrt(dot(v, v)); }
+
+/// What floats make of a vector of the mesh's frame, without their roundings.
+Vec3d stretched(const FloatPoints& near, const Vec3d& v) {
+  if (!near.stretched) return v;
+  Matrix m{};
+  for (std::size_t i = 0; i < 3; ++i) m[i] = static_cast<double>(near.metric[i]);
+  for (std::size_t i = 0; i < 2; ++i) m[5 + i] = static_cast<double>(near.metric[3 + i]);
+  m[10] = static_cast<double>(near.metric[5]);
+  return linear(m, v);
+}
+
+/// Points in a mesh that its node stretches along the axes by up to 2^`uneven`, and shears.
+struct Stretched {
+  Matrix forth{}, back{};
+  std::vector<geometry::Ray> rays;
+  Points points;
+  Frame frame = frame_of({{-1, -1, -1}, {1, 1, 1}});
+
+  Stretched(tests::Random& random, double uneven) : rays(random_points(random, 20)), points(rays) {
+    for (std::size_t i = 0; i < 3; ++i) forth[5 * i] = std::exp2(random.uniform(-uneven, uneven));
     forth[1] = random.uniform(-1, 1);
     forth[3] = random.uniform(-10, 10);
     // The inverse of an upper triangular matrix.
-    Matrix back{};
     for (std::size_t i = 0; i < 3; ++i) back[5 * i] = 1 / forth[5 * i];
     back[1] = -forth[1] * back[0] * back[5];
     back[3] = -forth[3] * back[0];
-    const auto rays = random_points(random, 20);
-    Points points(rays);
     transform(points.given, back, 0xffff, points.packet.rays);
     points.packet.scene_from_local = &forth;
     points.packet.local_from_scene = &back;
-    prepare(points.packet, frame_of({{-1, -1, -1}, {1, 1, 1}}), 0xffff);
-    const FloatPoints& near = points.packet.near;
-    const geometry::Vec3d way = random.direction();
-    const auto length_of = [](const Matrix& m, const geometry::Vec3d& v) {
-      double squared = 0;
-      for (std::size_t row = 0; row < 3; ++row) {
-        const double x = m[4 * row] * v.x + m[4 * row + 1] * v.y + m[4 * row + 2] * v.z;
-        squared += x * x;
-      }
-      return std::sqrt(squared);
-    };
-    EXPECT_LE(length_of(forth, way), near.per_local);
-    EXPECT_LE(length_of(back, way), near.per_scene);
-    for (const double off : near.scene_off) EXPECT_LT(off, 1e-9);
+    prepare(points.packet, frame, 0xffff);
   }
+};
+
+TEST(FloatPoints, CompareLengthsInBothFrames) {
+  tests::Random random(3);
+  int stretches = 0;
+  for (int round = 0; round < 400; ++round) {
+    const Stretched mesh(random, round % 2 == 0 ? 2 : 8);
+    const FloatPoints& near = mesh.points.packet.near;
+    const Vec3d way = random.direction();
+    const double in_scene = length_of(linear(mesh.forth, way)),
+                 in_frame = length_of(stretched(near, way));
+    EXPECT_LE(in_scene, in_frame * near.per_local);
+    EXPECT_LE(in_frame, in_scene * near.per_scene);
+    EXPECT_LE(in_frame, 1 + 1e-6);
+    EXPECT_LE(1, in_scene * near.mesh_per_scene);
+    for (const double off : near.scene_off) EXPECT_LT(off, 1e-9);
+    if (!near.stretched) continue;
+    ++stretches;
+    EXPECT_LT(near.per_local * near.per_scene, 1 + 1e-3) << "as long as in the scene";
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      Vec3d at, seen;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        at[axis] = mesh.points.packet.rays.origin[axis][lane] -
+                   static_cast<double>(mesh.frame.center[axis]);
+        seen[axis] =
+            static_cast<double>(near.high[axis][lane]) + static_cast<double>(near.low[axis][lane]);
+      }
+      at = at * static_cast<double>(mesh.frame.scale);
+      EXPECT_LE(length_of(stretched(near, at) - seen), near.off[lane]);
+    }
+  }
+  EXPECT_GT(stretches, 200);
+}
+
+/// A box that holds a point of the mesh at the distance of the best face is not left out.
+TEST(FloatPoints, MeetBoxesThatAreStretched) {
+  tests::Random random(4);
+  int left_out = 0;
+  for (int round = 0; round < 400; ++round) {
+    Stretched mesh(random, 4);
+    Packet& packet = mesh.points.packet;
+    geometry::Aabb box;
+    Vec3d inside;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto [lo, hi] = std::minmax(random.uniform(-1, 1), random.uniform(-1, 1));
+      box.lo[axis] = static_cast<float>(lo);
+      box.hi[axis] = static_cast<float>(hi);
+      // In the frame of the tree; its corners are as good as any.
+      inside[axis] = static_cast<double>(round % 3 == 0 ? box.lo[axis] : box.hi[axis]);
+    }
+    const Vec3d local =
+        inside * (1 / static_cast<double>(mesh.frame.scale)) + Vec3d(mesh.frame.center);
+    const Vec3d at =
+        linear(mesh.forth, local) + Vec3d{mesh.forth[3], mesh.forth[7], mesh.forth[11]};
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      mesh.points.best.t[lane] = length_of(at - scene_point(packet, lane)) * (1 + 0x1p-50);
+      tighten_point(packet, lane);
+    }
+    EXPECT_EQ(near_box(packet, box, 0xffff), 0xffffu);
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      mesh.points.best.t[lane] *= 0.25;
+      tighten_point(packet, lane);
+    }
+    left_out += near_box(packet, box, 0xffff) != 0xffff ? 1 : 0;
+  }
+  EXPECT_GT(left_out, 300) << "but others are";
 }
 
 }  // namespace
