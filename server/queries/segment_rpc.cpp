@@ -71,6 +71,7 @@ class SegmentCall final : public grpc::ServerWriteReactor<v1::OpenSegmentRespons
   /// Runs on a worker.
   void open() {
     const Status opened = exec::to_status([&]() -> Status {
+      if (has_ended()) return {};  // nothing is made for a call that is gone
       auto made = segments_.open(caller_, bytes_);
       if (!made) return made.error();
       response_.set_segment(made->name);
@@ -89,6 +90,11 @@ class SegmentCall final : public grpc::ServerWriteReactor<v1::OpenSegmentRespons
       writing_ = true;
       StartWrite(&response_);
     });
+  }
+
+  bool has_ended() {
+    const std::lock_guard lock(mutex_);
+    return ending_.has_value();
   }
 
   /// Call it with the mutex held.
