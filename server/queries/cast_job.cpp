@@ -45,6 +45,10 @@ Status CastJob::open_query(const Request& request) {
   auto query = decode_query(request, services_.policy);
   if (!query) return query.error();
   if (Status good = check_shard(*query, services_); !good) return good;
+  if (!request.segment().empty()) {
+    const auto known = services_.segments.find(request.segment(), caller_);
+    if (!known) return known.error();
+  }
   auto scene = services_.find_for_read(request.scene(), request.consistency());
   if (!scene) return scene.error();
   query_ = std::move(*query);

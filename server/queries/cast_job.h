@@ -57,8 +57,9 @@ class CastJob {
         replies_(replies),
         admission_(services, caller_, replies) {}
 
-  /// Finds the scene and decodes the query. Errors: kInvalidArgument, kNotFound,
-  /// kFailedPrecondition (a shard of another number than this server has peers).
+  /// Finds the scene and decodes the query. Errors: kInvalidArgument, kNotFound (also of a segment
+  /// that is named), kFailedPrecondition (a shard of another number than this server has peers, or
+  /// a server that offers no segments).
   Status open(const v1::CastRaysRequest& request);
   Status open(const v1::QueryPointsRequest& request);
   const std::shared_ptr<scenes::StoredScene>& scene() const { return scene_; }
