@@ -32,6 +32,10 @@ const std::map<std::string, scenegraph::Growth> kPolicies{
     {"demand", scenegraph::Growth::kDemand},
     {"full", scenegraph::Growth::kFull}};
 
+const std::map<std::string, segments::Offer> kOffers{{"off", segments::Offer::kOff},
+                                                     {"unix", segments::Offer::kUnix},
+                                                     {"local", segments::Offer::kLocal}};
+
 const std::map<std::string, spdlog::level::level_enum> kLogLevels{{"trace", spdlog::level::trace},
                                                                   {"debug", spdlog::level::debug},
                                                                   {"info", spdlog::level::info},
@@ -178,6 +182,10 @@ void add_flags(CLI::App& app, CommandLine& line) {
                  "Prefetches in work at most; more are refused")
       ->check(CLI::Range(0, ServerConfig::kMaxPrefetches))
       ->capture_default_str();
+  add_choice(
+      app, "--segments", kOffers, config.segments, "unix",
+      "Who may share memory with the server: no client, those at its Unix socket, or those at "
+      "loopback addresses, too");
   add_choice(app, "--log-level", kLogLevels, line.log_level, "info", "Least level that is logged");
   add_operations_flags(app, config);
   app.set_version_flag("--version", "sightlined " SIGHTLINE_VERSION, "Print the version and exit");

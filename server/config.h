@@ -16,6 +16,7 @@
 #include "server/exec/admission.h"
 #include "server/exec/quotas.h"
 #include "server/security/certificates.h"
+#include "server/segments/offer.h"
 
 namespace sightline::server {
 
@@ -41,6 +42,7 @@ struct ServerConfig {
   exec::AdmissionLimits admission;
   int max_prefetches = 4;  ///< Prefetches at a time, 0 to kMaxPrefetches.
   exec::QuotaConfig quotas;
+  segments::Offer segments = segments::Offer::kUnix;  ///< With `shard_peers` none are offered.
   std::string admin;  ///< HOST:PORT for probes, metrics and the live page. Empty: none.
   bool metrics_per_scene = false;              ///< Metrics with a label for the scene.
   std::chrono::milliseconds slow_query{1000};  ///< Slower ones are logged. 0: none.

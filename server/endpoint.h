@@ -70,7 +70,7 @@ class Endpoint {
                                                                .memory = state_.memory,
                                                                .store = state_.store.get(),
                                                                .calls = state_.backups}};
-  GuardedInfo info_rpc_{guard_, state_.config, max_connections_, state_.memory};
+  GuardedInfo info_rpc_{guard_, state_.config, max_connections_, state_.memory, state_.segments};
   std::uint16_t port_ = 0;
   net::SocketFile socket_file_;
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> connections_;

@@ -63,6 +63,12 @@ grpc::ServerWriteReactor<v1::PrefetchResponse>* GuardedQueries::Prefetch(
   return RayQueryRpc::Prefetch(context, request);
 }
 
+grpc::ServerWriteReactor<v1::OpenSegmentResponse>* GuardedQueries::OpenSegment(
+    grpc::CallbackServerContext* context, const v1::OpenSegmentRequest* request) {
+  if (const auto refusal = guard_.refuse(context, Role::kRead)) return *refusal;
+  return RayQueryRpc::OpenSegment(context, request);
+}
+
 grpc::ServerUnaryReactor* GuardedScenes::CreateScene(grpc::CallbackServerContext* context,
                                                      const v1::CreateSceneRequest* request,
                                                      v1::CreateSceneResponse* reply) {

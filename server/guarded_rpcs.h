@@ -49,6 +49,8 @@ class GuardedQueries final : public queries::RayQueryRpc {
   StreamQueryPoints(grpc::CallbackServerContext* context) override;
   grpc::ServerWriteReactor<v1::PrefetchResponse>* Prefetch(
       grpc::CallbackServerContext* context, const v1::PrefetchRequest* request) override;
+  grpc::ServerWriteReactor<v1::OpenSegmentResponse>* OpenSegment(
+      grpc::CallbackServerContext* context, const v1::OpenSegmentRequest* request) override;
 
  private:
   const Guard guard_;

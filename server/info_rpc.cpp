@@ -33,6 +33,7 @@
 #include "server/scenes/revision_wait.h"
 #include "server/scenes/scene_store.h"
 #include "server/scenes/update_log.h"
+#include "server/segments/segments.h"
 #include "server/store/limits.h"
 #include "server/updates/producer_messages.h"
 #include "server/updates/scene_rpc.h"
@@ -135,6 +136,13 @@ void describe_requests(v1::GetServerInfoResponse& info) {
   info.set_max_id_bytes(scenes::kMaxId);
 }
 
+void describe_segments(const ServerConfig& config, v1::GetServerInfoResponse& info) {
+  const auto open = exec::ShareLimits::of(segments::kMaxSegments, exec::kConnectionCallShare);
+  info.set_max_segments(segments::kMaxSegments);
+  info.set_max_segments_per_principal(static_cast<std::uint32_t>(open.principal));
+  info.set_max_rays_per_shared_request(queries::max_shared_rays(config.admission.rays));
+}
+
 v1::GetServerInfoResponse describe(const ServerConfig& config, std::size_t max_connections) {
   v1::GetServerInfoResponse info;
   info.set_version(SIGHTLINE_VERSION);
@@ -202,6 +210,7 @@ v1::GetServerInfoResponse describe(const ServerConfig& config, std::size_t max_c
   describe_storage(config, info);
   describe_calls(config, info);
   describe_requests(info);
+  describe_segments(config, info);
   info.set_max_connections(static_cast<std::uint32_t>(max_connections));
   info.set_policy(policy_name(config.policy));
   info.set_threads(static_cast<std::uint32_t>(config.threads));
@@ -212,14 +221,15 @@ v1::GetServerInfoResponse describe(const ServerConfig& config, std::size_t max_c
 }  // namespace
 
 InfoRpc::InfoRpc(const ServerConfig& config, std::size_t max_connections,
-                 const exec::MemoryAccount& memory)
-    : info_(describe(config, max_connections)), memory_(memory) {}
+                 const exec::MemoryAccount& memory, const segments::Segments& segments)
+    : info_(describe(config, max_connections)), memory_(memory), segments_(segments) {}
 
 grpc::ServerUnaryReactor* InfoRpc::GetServerInfo(grpc::CallbackServerContext* context,
                                                  const v1::GetServerInfoRequest*,
                                                  v1::GetServerInfoResponse* reply) {
   *reply = info_;
   describe_held(memory_, *reply);
+  reply->set_max_segment_bytes(segments_.max_bytes(context->peer()));
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   reactor->Finish(grpc::Status::OK);
   return reactor;

@@ -5,15 +5,17 @@
 
 #include "server/config.h"
 #include "server/exec/memory_account.h"
+#include "server/segments/segments.h"
 #include "sightline/v1/server.grpc.pb.h"
 
 namespace sightline::server {
 
 class InfoRpc : public v1::ServerService::CallbackService {
  public:
-  /// `max_connections`: how many may be open at a time. `memory` outlives this object.
+  /// `max_connections`: how many may be open at a time. `memory` and `segments` outlive this
+  /// object.
   InfoRpc(const ServerConfig& config, std::size_t max_connections,
-          const exec::MemoryAccount& memory);
+          const exec::MemoryAccount& memory, const segments::Segments& segments);
 
   grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context,
                                           const v1::GetServerInfoRequest* request,
@@ -25,6 +27,7 @@ class InfoRpc : public v1::ServerService::CallbackService {
  private:
   const v1::GetServerInfoResponse info_;  // what is constant while the server runs
   const exec::MemoryAccount& memory_;
+  const segments::Segments& segments_;
 };
 
 }  // namespace sightline::server

@@ -67,6 +67,7 @@ struct Server::Parts {
                                    .admission = state.admission,
                                    .unread = state.unread,
                                    .quotas = state.quotas,
+                                   .segments = state.segments,
                                    .scenes = state.scenes,
                                    .reclaimer = state.reclaimer,
                                    .store = state.store.get(),

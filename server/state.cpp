@@ -40,6 +40,8 @@ State::State(const ServerConfig& c, std::unique_ptr<store::Store> disk, shards::
       batch_admission({config.admission.rays, config.admission.bytes / exec::kBatchShare}),
       unread(config.admission.bytes / exec::kUnreadShare, &memory, reserved_bytes(config)),
       quotas(c.quotas),
+      // With --shard-peers rays go on in messages, so that segments would save little.
+      segments(memory, c.shard_peers.empty() ? c.segments : segments::Offer::kOff),
       waiting_reads({.limit = scenes::kMaxWaitingReads,
                      .when_full = "{} reads that wait for a revision are open on the server",
                      .full_reason = "TOO_MANY_WAITING"}),
@@ -109,6 +111,7 @@ void State::stop_waiting() {
   waiting_reads.stop();
   update_streams.stop();
   watches.stop();
+  segments.calls().stop();
 }
 
 void State::enforce_limits() {

@@ -23,6 +23,7 @@
 #include "server/scenes/revision_pins.h"
 #include "server/scenes/scene_store.h"
 #include "server/scenes/services.h"
+#include "server/segments/segments.h"
 #include "server/shards/peers.h"
 #include "server/shards/shard_cuts.h"
 #include "server/store/store.h"
@@ -42,6 +43,7 @@ struct State {
   exec::Admission admission, all_hits_admission, small_admission, batch_admission;
   exec::UnreadReplies unread;
   exec::Quotas quotas;
+  segments::Segments segments;
   metrics::Metrics metrics;
   exec::CallRegistry waiting_reads, cast_streams, prefetches, shard_prefetches, update_streams,
       watches, scene_puts, uploads, backups;
@@ -83,6 +85,7 @@ struct State {
                                   .update_streams = update_streams,
                                   .watches = watches,
                                   .scene_puts = scene_puts,
+                                  .segments = segments,
                                   .shard_peers = shard_peers,
                                   .shard_cuts = shard_cuts,
                                   .policy = config.policy,
@@ -95,6 +98,7 @@ struct State {
   Status open();
 
   /// Ends the calls that would otherwise run until a client or a writer acts, and refuses new ones.
+  /// Casts in work go on with their segments.
   /// Streams of rays end by themselves when their clients close them.
   void stop_waiting();
 

@@ -13,6 +13,7 @@
 #include "server/scenes/reclaim.h"
 #include "server/scenes/scene_store.h"
 #include "server/security/tls.h"
+#include "server/segments/segments.h"
 #include "server/store/store.h"
 
 namespace sightline::server {
@@ -23,6 +24,7 @@ struct StateMetrics {
   const exec::Admission& admission;
   const exec::UnreadReplies& unread;
   const exec::Quotas& quotas;
+  const segments::Segments& segments;
   const scenes::SceneStore& scenes;
   const scenes::Reclaimer& reclaimer;
   const store::Store* store = nullptr;  ///< Null: scenes are in memory only.

@@ -96,7 +96,8 @@ std::vector<HeldBytes> MemoryAccount::uses() const {
   return {{"meshes", used(Held::kMeshes)},   {"patches", used(Held::kPatches)},
           {"uploads", used(Held::kUploads)}, {"nodes", used(Held::kNodes)},
           {"logs", used(Held::kLogs)},       {"revisions", used(Held::kRevisions)},
-          {"calls", used(Held::kCalls)},     {"trees", used(Held::kTrees)}};
+          {"calls", used(Held::kCalls)},     {"segments", used(Held::kSegments)},
+          {"trees", used(Held::kTrees)}};
 }
 
 std::vector<HeldBytes> MemoryAccount::tree_uses() const {
@@ -121,15 +122,15 @@ bool MemoryAccount::fits(Held kind, std::uint64_t bytes) const {
 }
 
 Error MemoryAccount::over(std::uint64_t bytes) const {
-  return {
-      Code::kResourceExhausted,
-      fmt::format("{} of {} bytes are held (the memory budget is {}), and {} more do not fit: {} "
-                  "for meshes, {} for uploads, {} for patched meshes, {} for nodes, {} for "
-                  "logs, {} for revisions, {} for trees, {} for calls",
-                  used_of_limit(), limit(), budget_, bytes, used(Held::kMeshes),
-                  used(Held::kUploads), used(Held::kPatches), used(Held::kNodes), used(Held::kLogs),
-                  used(Held::kRevisions), used(Held::kTrees), used(Held::kCalls)),
-      kMemoryBudget};
+  return {Code::kResourceExhausted,
+          fmt::format(
+              "{} of {} bytes are held (the memory budget is {}), and {} more do not fit: {} "
+              "for meshes, {} for uploads, {} for patched meshes, {} for nodes, {} for "
+              "logs, {} for revisions, {} for trees, {} for calls, {} for segments",
+              used_of_limit(), limit(), budget_, bytes, used(Held::kMeshes), used(Held::kUploads),
+              used(Held::kPatches), used(Held::kNodes), used(Held::kLogs), used(Held::kRevisions),
+              used(Held::kTrees), used(Held::kCalls), used(Held::kSegments)),
+          kMemoryBudget};
 }
 
 }  // namespace sightline::server::exec

@@ -28,8 +28,9 @@ enum class Held : std::uint8_t {
   kRevisions,  ///< Older revisions that scenes keep, without their meshes.
   kTrees,      ///< Trees of meshes and scenes.
   kCalls,      ///< Requests in work, batches half sent, replies not read.
+  kSegments,   ///< Memory that clients on this machine share.
 };
-inline constexpr std::size_t kHeldKinds = 8;
+inline constexpr std::size_t kHeldKinds = 9;
 
 /// The parts of a budget that are kept free of what all others hold.
 struct MemoryParts {

@@ -27,8 +27,9 @@
 namespace sightline::server::net {
 namespace {
 
-/// File descriptors that are not connections.
-constexpr std::size_t kOwnFiles = 80;
+/// File descriptors that are not connections of clients: 80, and those of 64 segments and of 32
+/// connections that ask for them.
+constexpr std::size_t kOwnFiles = 180;
 constexpr std::size_t kFilesPerConnection = 2;
 constexpr std::size_t kMaxConnections = 10'000;
 

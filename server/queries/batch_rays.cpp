@@ -1,12 +1,13 @@
-// The rays or points of a batch: columns of the request, or made by a generator.
+// The rays or points of a batch: columns of the request or of a segment, or made by a generator.
 #include "server/queries/batch_rays.h"
 
 #include <algorithm>
 #include <utility>
 
+#include "server/exec/rpc_status.h"
 #include "server/queries/generator_codec.h"
 #include "server/queries/point_codec.h"
-#include "server/queries/ray_codec.h"
+#include "server/segments/segment.h"
 
 namespace sightline::server::queries {
 
@@ -14,11 +15,20 @@ using accel::geometry::Ray;
 using accel::geometry::RayColumns;
 using proto::rays::Vector;
 
+void BatchRays::clear() {
+  columns_ = nullptr;
+  points_ = nullptr;
+  grid_.reset();
+  shared_.reset();
+  segment_ = nullptr;
+  few_.clear();
+}
+
 Status BatchRays::begin(const v1::Rays& columns) {
   const auto count = count_rays(columns);
   if (!count) return count.error();
+  clear();
   columns_ = &columns;
-  points_ = nullptr;
   size_ = *count;
   return {};
 }
@@ -26,18 +36,17 @@ Status BatchRays::begin(const v1::Rays& columns) {
 Status BatchRays::begin(const v1::Points& columns) {
   const auto count = count_points(columns);
   if (!count) return count.error();
-  columns_ = nullptr;
+  clear();
   points_ = &columns;
   size_ = *count;
   return {};
 }
 
-Status BatchRays::begin(const v1::PointGrid& message) {
+Status BatchRays::begin(const v1::PointGrid& message, std::size_t most) {
   auto grid = decode_grid(message);
   if (!grid) return grid.error();
-  if (Status good = check_count(proto::rays::count_of(*grid)); !good) return good;
-  columns_ = nullptr;
-  points_ = nullptr;
+  if (Status good = check_count(proto::rays::count_of(*grid), most); !good) return good;
+  clear();
   tmin_ = 0;
   tmax_ = grid->max_distance;
   mask_ = grid->mask;
@@ -46,23 +55,47 @@ Status BatchRays::begin(const v1::PointGrid& message) {
   return {};
 }
 
-Status BatchRays::begin(const v1::QueryPointsRequest& request) {
-  return request.has_grid() ? begin(request.grid()) : begin(request.points());
+template <class Message>
+Status BatchRays::begin_shared(const Message& message, const Bounds& bounds) {
+  if (bounds.segment == nullptr) {
+    return exec::invalid_argument("`shared` needs a `segment`, and the request names none",
+                                  "NO_SEGMENT");
+  }
+  auto shared = SharedRays::decode(message, bounds.segment->size(), bounds.most);
+  if (!shared) return shared.error();
+  clear();
+  shared_ = *std::move(shared);
+  segment_ = bounds.segment;
+  size_ = shared_->size();
+  if (size_ > kFewRays) return {};
+  std::vector<double> copy;
+  const RayColumns rays = shared_->copy(*segment_, 0, size_, copy);
+  for (std::size_t i = 0; i < size_; ++i) few_.push_back(rays[i]);
+  return {};
+}
+
+Status BatchRays::begin(const v1::CastRaysRequest& request, const Bounds& bounds) {
+  if (request.has_generator()) return begin(request.generator(), bounds.most);
+  return request.has_shared() ? begin_shared(request.shared(), bounds) : begin(request.rays());
+}
+
+Status BatchRays::begin(const v1::QueryPointsRequest& request, const Bounds& bounds) {
+  if (request.has_grid()) return begin(request.grid(), bounds.most);
+  return request.has_shared() ? begin_shared(request.shared(), bounds) : begin(request.points());
 }
 
 Status BatchRays::begin(const v1::PrefetchRequest& request) {
-  if (request.has_grid()) return begin(request.grid());
+  if (request.has_grid()) return begin(request.grid(), kMaxRaysPerRequest);
   if (request.has_points()) return begin(request.points());
-  return request.has_generator() ? begin(request.generator()) : begin(request.rays());
+  if (request.has_generator()) return begin(request.generator(), kMaxRaysPerRequest);
+  return begin(request.rays());
 }
 
-Status BatchRays::begin(const v1::RayGenerator& generator) {
+Status BatchRays::begin(const v1::RayGenerator& generator, std::size_t most) {
   auto decoded = decode_generator(generator);
   if (!decoded) return decoded.error();
-  if (Status good = check_count(proto::rays::count_of(*decoded)); !good) return good;
-  columns_ = nullptr;
-  points_ = nullptr;
-  grid_.reset();
+  if (Status good = check_count(proto::rays::count_of(*decoded), most); !good) return good;
+  clear();
   generated_.begin(std::move(*decoded));
   tmin_ = generated_.tmin();
   tmax_ = generated_.tmax();
@@ -73,7 +106,7 @@ Status BatchRays::begin(const v1::RayGenerator& generator) {
 
 void BatchRays::decode(std::size_t first, std::span<Ray> rays) const {
   if (columns_ != nullptr) return decode_rays(*columns_, first, rays);
-  if (points_ != nullptr || grid_) {
+  if (points_ != nullptr || grid_ || shared_) {
     std::vector<double> made;
     const RayColumns view = this->view(first, rays.size(), made);
     for (std::size_t i = 0; i < rays.size(); ++i) rays[i] = view[i];
@@ -104,6 +137,9 @@ RayColumns BatchRays::view(std::size_t first, std::size_t count, std::vector<dou
   if (columns_ != nullptr) return view_rays(*columns_, first, count);
   if (points_ != nullptr) return view_points(*points_, first, count);
   if (grid_) return view_grid(first, count, made);
+  if (shared_ && size_ <= kFewRays)
+    return accel::geometry::columns_of(std::span(few_).subspan(first, count));
+  if (shared_) return shared_->copy(*segment_, first, count, made);
   made.resize(6 * count);
   double* const origins = made.data();
   double* const directions = origins + 3 * count;

@@ -64,10 +64,13 @@ Status CastAdmission::admit(std::size_t request_bytes, const CastQuery& query, s
 std::size_t CastAdmission::bytes_of(std::size_t request_bytes, const CastQuery& query,
                                     std::size_t rays, bool sharded) const {
   const std::size_t decoded = lists(query) ? rays : std::min(rays, kRaysPerSlice);
+  // The rows of a segment's columns are made slice by slice.
+  const std::size_t rows = query.in_segment ? decoded : rays;
   const std::size_t listed = lists(query) ? std::min(rays * query.max_hits, kMaxHitsPerReply) : 0;
-  std::size_t bytes = request_bytes + decoded * kSliceBytesPerRay + rays * kReplyBytesPerRay +
-                      derived_bytes(query, lists(query) ? listed : rays);
-  if (query.sides) bytes += side_bytes(query, rays, decoded);
+  std::size_t bytes =
+      request_bytes + decoded * kSliceBytesPerRay + rows * kReplyBytesPerRay +
+      derived_bytes(query, lists(query) ? listed : rows, lists(query) ? listed : rays);
+  if (query.sides) bytes += side_bytes(query, rows, decoded);
   if (lists(query))
     bytes += hit_pager_bytes(rays, query.max_hits, services_.compute.threads(), first_list());
   if (sharded) {

@@ -11,7 +11,9 @@
 #include "server/exec/rpc_status.h"
 #include "server/queries/asked_shard.h"
 #include "server/queries/hit_codec.h"
+#include "server/queries/ray_codec.h"
 #include "server/scenes/names.h"
+#include "server/segments/segments.h"
 #include "server/shards/peers.h"
 
 namespace sightline::server::queries {
@@ -27,6 +29,9 @@ std::size_t rays_per_slice(const CastQuery& query) {
   return points / kRaysPerBitsByte * kRaysPerBitsByte;
 }
 
+bool is_made(const v1::CastRaysRequest& request) { return request.has_generator(); }
+bool is_made(const v1::QueryPointsRequest& request) { return request.has_grid(); }
+
 std::uint64_t microseconds(std::chrono::steady_clock::duration time) {
   return static_cast<std::uint64_t>(
       std::chrono::duration_cast<std::chrono::microseconds>(time).count());
@@ -40,9 +45,14 @@ Status CastJob::open_query(const Request& request) {
   auto query = decode_query(request, services_.policy);
   if (!query) return query.error();
   if (Status good = check_shard(*query, services_); !good) return good;
+  if (!request.segment().empty()) {
+    const auto known = services_.segments.find(request.segment(), caller_);
+    if (!known) return known.error();
+  }
   auto scene = services_.find_for_read(request.scene(), request.consistency());
   if (!scene) return scene.error();
   query_ = std::move(*query);
+  segment_name_ = request.segment();
   scene_ = std::move(*scene);
   flow_ = exec::flow_of(caller_, request.scene());
   return {};
@@ -66,6 +76,42 @@ void CastJob::pin(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot
   snapshot_ = std::move(snapshot);
   scene_.reset();
 }
+
+/// Finds the segment that the batch uses, and keeps it until the batch is answered.
+template <class Request>
+Status CastJob::find_segment(const Request& request) {
+  segment_.reset();
+  if (!request.segment().empty() && request.segment() != segment_name_) {
+    return exec::invalid_argument(
+        fmt::format("segment {} is named, but the stream's first request has named {}",
+                    exec::quote(request.segment()), exec::quote(segment_name_)),
+        "SEGMENT_DIFFERS");
+  }
+  if (!request.has_shared() && !query_.in_segment) return {};
+  if (segment_name_.empty()) {
+    return exec::invalid_argument("`shared` and `answer` need a `segment`, and none is named",
+                                  "NO_SEGMENT");
+  }
+  auto found = services_.segments.find(segment_name_, caller_);
+  if (!found) return found.error();
+  segment_ = std::move(*found);
+  return {};
+}
+
+template Status CastJob::find_segment(const v1::CastRaysRequest& request);
+template Status CastJob::find_segment(const v1::QueryPointsRequest& request);
+
+/// More rays than messages hold, where neither they nor their answers are in one.
+template <class Request>
+BatchRays::Bounds CastJob::bounds_of(const Request& request) const {
+  const bool in_no_message = query_.in_segment && (request.has_shared() || is_made(request));
+  return {.segment = segment_.get(),
+          .most = in_no_message ? max_shared_rays(services_.admission.limits().rays)
+                                : kMaxRaysPerRequest};
+}
+
+template BatchRays::Bounds CastJob::bounds_of(const v1::CastRaysRequest& request) const;
+template BatchRays::Bounds CastJob::bounds_of(const v1::QueryPointsRequest& request) const;
 
 void CastJob::begin_batch(std::uint32_t budget_ms) {
   arrived_ = Clock::now();
@@ -124,9 +170,7 @@ bool CastJob::is_immediate() const {
 /// traced: then workers begin again.
 bool CastJob::answer_at_once(v1::CastRaysResponse& reply) {
   if (const Status ready = begin(); !ready) return false;
-  resize_columns(query_.fields, batch_.size(), batch_.size(), reply);
-  derived_.begin(*snapshot_, query_.points, reply);
-  reply.clear_unanswered();
+  begin_columns(reply);
   scenegraph::TraceOptions built_only = options();
   built_only.growth = scenegraph::Growth::kBuiltOnly;
   bool met_deferred = false;
@@ -136,6 +180,7 @@ bool CastJob::answer_at_once(v1::CastRaysResponse& reply) {
     return false;
   }
   stats_ += *traced;
+  take_over(batch_.size());
   reply.clear_first_ray();
   reply.clear_more();
   traced_ = Clock::now() - waiting_since_;
@@ -157,7 +202,7 @@ Result<scenegraph::TraceStats> CastJob::trace_immediate(const scenegraph::TraceO
     return traced;
   }
   std::array<std::uint32_t, kImmediateCast> work{};
-  accel::geometry::HitColumns hits = view_hits(reply, 0, batch_.size());
+  accel::geometry::HitColumns hits = view_hits(columns_of(reply), 0, batch_.size());
   const auto asked = hits.work;
   hits.work = {work.data()};
   auto traced = trace_hits(batch_.view(0, batch_.size(), made_), hits, options, reply);
@@ -206,6 +251,7 @@ void CastJob::push(exec::Slice slice) {
 /// not hold up the others. `done` may delete this.
 void CastJob::end(const Status& status, const Done& done) {
   admission_.release();
+  segment_.reset();
   alarm_ = {};
   done(status);
 }
@@ -306,19 +352,32 @@ Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
     if (!reply.more()) stats_ += pager_.stats();
     return made;
   }
-  if (answered_ == 0) {
-    resize_columns(query_.fields, batch_.size(), batch_.size(), reply);
-    derived_.begin(*snapshot_, query_.points, reply);
-    sides_.begin(reply, query_, batch_.size());
-    reply.clear_unanswered();
-  }
+  if (answered_ == 0) begin_columns(reply);
   const std::size_t count = std::min(batch_.size() - answered_, rays_per_slice(query_));
   const auto traced = trace_rays(count, options(), reply);
   if (!traced) return traced.error();
   stats_ += *traced;
-  answered_ += count;
+  take_over(count);
   if (answered_ < batch_.size()) progress = Progress::kMore;
   return {};
+}
+
+/// Gives the batch's columns their final size: all its rows, or those of a slice.
+void CastJob::begin_columns(v1::CastRaysResponse& reply) {
+  const std::size_t rows =
+      query_.in_segment ? std::min(batch_.size(), rays_per_slice(query_)) : batch_.size();
+  v1::CastRaysResponse& columns = columns_of(reply);
+  resize_columns(query_.fields, rows, rows, columns);
+  derived_.begin(*snapshot_, query_.points, columns, reply);
+  sides_.begin(columns, query_, rows);
+  if (query_.in_segment) reply.clear_columns();
+  reply.clear_unanswered();
+}
+
+/// The rows of the next rays are made: copies them, if they go to a segment.
+void CastJob::take_over(std::size_t count) {
+  if (query_.in_segment) answer_.write(*segment_, answered_, count);
+  answered_ += count;
 }
 
 /// Writes closest or any hits of the next rays to `hits`, and the columns that follow from them.
@@ -337,8 +396,7 @@ Result<scenegraph::TraceStats> CastJob::trace_hits(const accel::geometry::RayCol
     const auto* states = static_cast<const accel::geometry::HitState*>(hits.state.data);
     mark_unanswered(std::span(states, hits.size), answered_, batch_.size(), reply);
   }
-  if (const Status written = derived_.write(rays, hits, answered_); !written)
-    return written.error();
+  if (const Status written = derived_.write(rays, hits, row()); !written) return written.error();
   return traced;
 }
 
@@ -354,7 +412,7 @@ Result<scenegraph::TraceStats> CastJob::trace_with_sides(const accel::geometry::
     if (!traced) return traced;
     stats = *traced;
   }
-  auto found = sides_.write(*snapshot_, points, *query_.sides, options, hits, answered_);
+  auto found = sides_.write(*snapshot_, points, *query_.sides, options, hits, row());
   if (!found) return found;
   if (found->unanswered > 0) mark_unanswered(sides_.sides(), answered_, batch_.size(), reply);
   if (query_.sides_alone) return found;
@@ -373,13 +431,13 @@ Result<scenegraph::TraceStats> CastJob::trace_rays(std::size_t count,
                                                    v1::CastRaysResponse& reply) {
   const accel::geometry::RayColumns rays = batch_.view(answered_, count, made_);
   if (query_.kind != scenegraph::QueryKind::kCount) {
-    accel::geometry::HitColumns hits = view_hits(reply, answered_, count);
+    accel::geometry::HitColumns hits = view_hits(columns_of(reply), row(), count);
     if (query_.sides) return trace_with_sides(rays, hits, options, reply);
     return trace_hits(rays, hits, options, reply);
   }
   tallies_.resize(count);
   auto traced = scenegraph::count_hits(*snapshot_, rays, tallies_, options);
-  if (traced) encode_tallies(tallies_, answered_, reply);
+  if (traced) encode_tallies(tallies_, row(), columns_of(reply));
   if (traced && traced->unanswered > 0) mark_unanswered(tallies_, answered_, batch_.size(), reply);
   return traced;
 }
@@ -399,6 +457,7 @@ void CastJob::rest() {
   states_ = {};
   derived_ = {};
   sides_ = {};
+  answer_ = {};
   pager_ = {};
   if (is_sharded()) sharded_->rest();
 }

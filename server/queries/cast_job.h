@@ -27,9 +27,11 @@
 #include "server/queries/derived_columns.h"
 #include "server/queries/hit_codec.h"
 #include "server/queries/hit_pager.h"
+#include "server/queries/segment_answer.h"
 #include "server/queries/side_columns.h"
 #include "server/scenes/revision_wait.h"
 #include "server/scenes/services.h"
+#include "server/segments/segment.h"
 #include "server/shards/sharded_cast.h"
 #include "sightline/v1/query.pb.h"
 
@@ -38,12 +40,13 @@ namespace sightline::server::queries {
 /// Casts of up to this number of rays are answered in the thread that asks for them, if they meet
 /// built cells alone.
 inline constexpr std::size_t kImmediateCast = 16;
+static_assert(kImmediateCast <= kFewRays);
 static_assert(kRaysPerSlice % kRaysPerBitsByte == 0);
 
 /// Serves one call: open() and pin() once; then for each batch accept() once, and enqueue() until
 /// the reply says that there is no more. Rays are read slice by slice in the request, and their
-/// hits written to the reply's columns, which have their final size from the first slice on. All
-/// slices and batches use the same memory.
+/// hits written to the reply's columns, which have their final size from the first slice on, or
+/// slice by slice to a segment. All slices and batches use the same memory.
 class CastJob {
  public:
   /// `context`: the call's, which outlives this.
@@ -54,8 +57,9 @@ class CastJob {
         replies_(replies),
         admission_(services, caller_, replies) {}
 
-  /// Finds the scene and decodes the query. Errors: kInvalidArgument, kNotFound,
-  /// kFailedPrecondition (a shard of another number than this server has peers).
+  /// Finds the scene and decodes the query. Errors: kInvalidArgument, kNotFound (also of a segment
+  /// that is named), kFailedPrecondition (a shard of another number than this server has peers, or
+  /// a server that offers no segments).
   Status open(const v1::CastRaysRequest& request);
   Status open(const v1::QueryPointsRequest& request);
   const std::shared_ptr<scenes::StoredScene>& scene() const { return scene_; }
@@ -65,11 +69,19 @@ class CastJob {
   void pin(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot);
 
   /// Admits the rays of the request, which must not change until the batch's last reply is made.
-  /// Errors: as BatchRays::begin and CastAdmission::admit.
+  /// Errors: as BatchRays::begin, SegmentAnswer::begin, segments::Segments::find and
+  /// CastAdmission::admit; kInvalidArgument (a segment is needed and not named, or another one than
+  /// the first request has named).
   template <class Request>
   Status accept(const Request& request) {
     begin_batch(request.time_budget_ms());
-    if (Status good = batch_.begin(request); !good) return good;
+    if (Status found = find_segment(request); !found) return found;
+    if (Status good = batch_.begin(request, bounds_of(request)); !good) return good;
+    const std::uint64_t segment_bytes = segment_ ? segment_->size() : 0;
+    if (Status good =
+            answer_.begin(request.answer(), query_, batch_.size(), batch_.ranges(), segment_bytes);
+        !good)
+      return good;
     return admit(request.ByteSizeLong());
   }
 
@@ -114,6 +126,10 @@ class CastJob {
 
   template <class Request>
   Status open_query(const Request& request);
+  template <class Request>
+  Status find_segment(const Request& request);
+  template <class Request>
+  BatchRays::Bounds bounds_of(const Request& request) const;
   void begin_batch(std::uint32_t budget_ms);
   Status admit(std::size_t request_bytes);
   bool is_sharded() const { return sharded_ != nullptr; }
@@ -138,6 +154,14 @@ class CastJob {
   Status run_slice(v1::CastRaysResponse& reply, Progress& progress);
   Status begin();
   Status trace_slice(v1::CastRaysResponse& reply, Progress& progress);
+  void begin_columns(v1::CastRaysResponse& reply);
+  /// Where the rows of the next rays are made: in the reply, or in a slice for the segment.
+  v1::CastRaysResponse& columns_of(v1::CastRaysResponse& reply) {
+    return query_.in_segment ? answer_.slice() : reply;
+  }
+  /// The row of the next ray there.
+  std::size_t row() const { return query_.in_segment ? 0 : answered_; }
+  void take_over(std::size_t count);
   Result<scenegraph::TraceStats> trace_rays(std::size_t count,
                                             const scenegraph::TraceOptions& options,
                                             v1::CastRaysResponse& reply);
@@ -163,10 +187,13 @@ class CastJob {
   std::shared_ptr<scenes::StoredScene> scene_;  // until pin()
   std::shared_ptr<const scenegraph::revision::Snapshot> snapshot_;
   scenes::RevisionToken revision_;
+  std::string segment_name_;                          // empty: none. In a stream, of all requests
+  std::shared_ptr<const segments::Segment> segment_;  // the batch's; null: it uses none
   BatchRays batch_;
+  SegmentAnswer answer_;
   std::size_t answered_ = 0;                // rays of the batch
   std::vector<accel::geometry::Ray> rays_;  // the batch's, for all hits
-  std::vector<double> made_;                // the generated rays of the slice
+  std::vector<double> made_;                // the slice's rays that are generated or copied
   std::optional<scenegraph::query::Selection> selection_;
   std::vector<scenegraph::RayTally> tallies_;  // the slice's
   HitPager pager_;

@@ -124,7 +124,7 @@ Status CastJob::write_sharded(v1::CastRaysResponse& reply) {
 
 Status CastJob::write_sharded_hits(v1::CastRaysResponse& reply) {
   const scenegraph::query::ShardMerge& answers = sharded_->answers();
-  derived_.begin(*snapshot_, query_.points, reply);
+  derived_.begin(*snapshot_, query_.points, reply, reply);
   if (query_.kind == QueryKind::kCount) {
     encode_tallies(answers.tallies(), 0, reply);
     mark_unanswered(answers.tallies(), 0, batch_.size(), reply);
@@ -181,7 +181,7 @@ Status CastJob::write_sharded_lists(v1::CastRaysResponse& reply) {
   const scenegraph::query::ShardMerge& answers = sharded_->answers();
   encode_lists(answers.tallies(), answers.listed(), query_.fields, reply);
   mark_unanswered(answers.tallies(), 0, answers.tallies().size(), reply);
-  derived_.begin(*snapshot_, query_.points, reply);
+  derived_.begin(*snapshot_, query_.points, reply, reply);
   reply.set_first_ray(answered_);
   return derived_.write_lists(std::span<const Ray>(rays_).subspan(answered_, sharded_part()),
                               answers.tallies(), answers.listed());

@@ -140,17 +140,61 @@ Status check_field(v1::HitField field, const FieldsOfKind& of_kind, v1::QueryKin
   return {};
 }
 
+/// Checks that the columns of a segment are asked for in this way alone, and that their bytes
+/// follow from the number of rays.
+template <class Request>
+Status check_answer(const Request& request, QueryKind kind) {
+  if (request.fields_size() > 0) {
+    return exec::invalid_argument(
+        fmt::format(
+            "`answer` has {} columns and `fields` has {}: with `answer` there are no others",
+            request.answer_size(), request.fields_size()),
+        "FIELDS_AND_ANSWER");
+  }
+  if (kind == QueryKind::kAll) {
+    return exec::invalid_argument(
+        "QUERY_KIND_ALL has no `answer`: how many hits there will be is not known before",
+        "ANSWER_NOT_OF_KIND");
+  }
+  for (const v1::SharedColumn& column : request.answer()) {
+    if (column.field() == v1::HIT_FIELD_CROSSINGS)
+      return exec::invalid_argument("HIT_FIELD_CROSSINGS is not written to segments",
+                                    "FIELD_NOT_IN_SEGMENT");
+  }
+  return {};
+}
+
+/// The fields that a request names, in its reply or in a segment.
+template <class Request>
+Result<std::vector<v1::HitField>> named_fields(const Request& request,
+                                               const FieldsOfKind& of_kind) {
+  std::vector<v1::HitField> named;
+  const auto add = [&](v1::HitField field) {
+    Status good = check_field(field, of_kind, request.kind(), named);
+    if (good) named.push_back(field);
+    return good;
+  };
+  for (const int number : request.fields()) {
+    if (const Status good = add(static_cast<v1::HitField>(number)); !good) return good.error();
+  }
+  for (const v1::SharedColumn& column : request.answer()) {
+    if (const Status good = add(column.field()); !good) return good.error();
+  }
+  return named;
+}
+
 template <class Request>
 Status decode_fields(const Request& request, const FieldsOfKind& of_kind, CastQuery& query) {
-  std::vector<v1::HitField> asked;
-  for (const int number : request.fields()) {
-    const auto field = static_cast<v1::HitField>(number);
-    if (Status good = check_field(field, of_kind, request.kind(), asked); !good) return good;
-    asked.push_back(field);
+  query.in_segment = request.answer_size() > 0;
+  if (query.in_segment) {
+    if (Status good = check_answer(request, query.kind); !good) return good;
   }
+  auto named = named_fields(request, of_kind);
+  if (!named) return named.error();
+  const std::vector<v1::HitField>& asked = *named;
   for (const v1::HitField field : of_kind.always) {
     const bool in_bits = field == v1::HIT_FIELD_HIT && contains(asked, v1::HIT_FIELD_HIT_BITS);
-    if (!in_bits && !contains(asked, field)) query.fields.push_back(field);
+    if (!query.in_segment && !in_bits && !contains(asked, field)) query.fields.push_back(field);
   }
   const std::vector<v1::HitField>& others = asked.empty() ? of_kind.standard : asked;
   query.fields.insert(query.fields.end(), others.begin(), others.end());

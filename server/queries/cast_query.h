@@ -34,10 +34,12 @@ struct CastQuery {
   scenegraph::model::NodeId root = 0;                 ///< 0: the whole scene.
   std::vector<scenegraph::model::NodeId> excluded{};  ///< Not checked against the scene yet.
   std::uint32_t max_hits = kDefaultMaxHits;
-  std::vector<v1::HitField> fields{};  ///< Columns of the reply, in this order; no field twice.
-  bool surface = false;                ///< Whether `fields` has barycentrics or normals.
-  bool positions = false;              ///< Whether `fields` has positions.
-  bool names = false;                  ///< Whether `fields` has names.
+  /// Columns of the answer, in this order; no field twice.
+  std::vector<v1::HitField> fields{};
+  bool in_segment = false;  ///< Whether they go to a segment, else into the reply.
+  bool surface = false;     ///< Whether `fields` has barycentrics or normals.
+  bool positions = false;   ///< Whether `fields` has positions.
+  bool names = false;       ///< Whether `fields` has names.
 
   std::optional<ShardOf> shard{};  ///< Only what is in it exists. Unset: everything.
   bool allow_partial = false;
@@ -54,7 +56,8 @@ struct CastQuery {
 /// Checks and decodes the query. `policy` is used for an unspecified build mode. Errors:
 /// kInvalidArgument (an unknown kind, field, build mode or culling; a repeated field; a field or
 /// limit that the kind does not have; a number or rule of sides that does not exist, or without
-/// their fields; crossings without a shard; kMaxMaxHits or kMaxExclusions exceeded; a shard whose
+/// their fields; crossings without a shard; columns for a segment beside fields, or of a kind or
+/// field that does not go there; kMaxMaxHits or kMaxExclusions exceeded; a shard whose
 /// index is not below its count).
 Result<CastQuery> decode_query(const v1::CastRaysRequest& request, scenegraph::Growth policy);
 Result<CastQuery> decode_query(const v1::QueryPointsRequest& request, scenegraph::Growth policy);

@@ -1,4 +1,4 @@
-// RayQueryService: batches of rays and of points, streams of batches, and prefetches.
+// RayQueryService: batches of rays and of points, streams of batches, prefetches, and segments.
 #include "server/queries/cast_rpc.h"
 
 #include <fmt/format.h>
@@ -17,6 +17,7 @@
 #include "server/exec/rpc_status.h"
 #include "server/queries/cast_job.h"
 #include "server/queries/prefetch_rpc.h"
+#include "server/queries/segment_rpc.h"
 #include "server/scenes/revision_pins.h"
 #include "server/scenes/revision_wait.h"
 
@@ -378,6 +379,11 @@ RayQueryRpc::StreamQueryPoints(grpc::CallbackServerContext* context) {
 grpc::ServerWriteReactor<v1::PrefetchResponse>* RayQueryRpc::Prefetch(
     grpc::CallbackServerContext* context, const v1::PrefetchRequest* request) {
   return start_prefetch(services_, *context, *request);
+}
+
+grpc::ServerWriteReactor<v1::OpenSegmentResponse>* RayQueryRpc::OpenSegment(
+    grpc::CallbackServerContext* context, const v1::OpenSegmentRequest* request) {
+  return start_segment(services_, *context, *request);
 }
 
 }  // namespace sightline::server::queries

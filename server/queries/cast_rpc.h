@@ -1,4 +1,4 @@
-// RayQueryService: batches of rays and of points, streams of batches, and prefetches.
+// RayQueryService: batches of rays and of points, streams of batches, prefetches, and segments.
 #pragma once
 
 #include <cstddef>
@@ -30,6 +30,8 @@ class RayQueryRpc : public v1::RayQueryService::CallbackService {
   StreamQueryPoints(grpc::CallbackServerContext* context) override;
   grpc::ServerWriteReactor<v1::PrefetchResponse>* Prefetch(
       grpc::CallbackServerContext* context, const v1::PrefetchRequest* request) override;
+  grpc::ServerWriteReactor<v1::OpenSegmentResponse>* OpenSegment(
+      grpc::CallbackServerContext* context, const v1::OpenSegmentRequest* request) override;
 
  private:
   const scenes::Services services_;

@@ -40,23 +40,23 @@ void set(std::string& column, std::size_t row, const T& number) {
 
 }  // namespace
 
-std::size_t derived_bytes(const CastQuery& query, std::size_t rows) {
+std::size_t derived_bytes(const CastQuery& query, std::size_t rows, std::size_t hits) {
   std::size_t bytes = 0;
   if (query.positions) bytes += rows * sizeof(Vec3d);
   if (query.names) {
-    const std::size_t characters = std::min(rows * scenegraph::model::kMaxNodeName, kMaxNameBytes);
-    bytes += rows * (sizeof(std::uint32_t) + kNameEntry) + characters;
+    const std::size_t characters = std::min(hits * scenegraph::model::kMaxNodeName, kMaxNameBytes);
+    bytes += rows * sizeof(std::uint32_t) + hits * kNameEntry + characters;
   }
   return bytes;
 }
 
 void DerivedColumns::begin(const scenegraph::revision::Snapshot& snapshot, bool points,
-                           v1::CastRaysResponse& reply) {
+                           v1::CastRaysResponse& columns, v1::CastRaysResponse& reply) {
   snapshot_ = &snapshot;
   points_ = points;
   reply_ = &reply;
   positions_ = names_ = nullptr;
-  for (v1::HitColumn& column : *reply.mutable_columns()) {
+  for (v1::HitColumn& column : *columns.mutable_columns()) {
     if (column.field() == v1::HIT_FIELD_POSITION) positions_ = column.mutable_data();
     if (column.field() == v1::HIT_FIELD_NAME) names_ = column.mutable_data();
   }

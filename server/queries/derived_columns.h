@@ -23,16 +23,17 @@ namespace sightline::server::queries {
 /// The most bytes of names in one reply, on the wire.
 inline constexpr std::size_t kMaxNameBytes = std::size_t{2} << 20;
 
-/// Most bytes that positions and names add to a reply of `rows` rows.
-std::size_t derived_bytes(const CastQuery& query, std::size_t rows);
+/// Most bytes that positions and names add to columns of `rows` rows, for `hits` hits, whose names
+/// are kept.
+std::size_t derived_bytes(const CastQuery& query, std::size_t rows, std::size_t hits);
 
 /// Writes the columns of one reply after the other.
 class DerivedColumns {
  public:
-  /// Begins a reply, whose columns have their final size. It and the revision outlive its rows.
-  /// `points`: whether the rays are points.
+  /// Begins a reply, which gets the names, and columns of their final size. These, and the
+  /// revision, outlive its rows. `points`: whether the rays are points.
   void begin(const scenegraph::revision::Snapshot& snapshot, bool points,
-             v1::CastRaysResponse& reply);
+             v1::CastRaysResponse& columns, v1::CastRaysResponse& reply);
 
   /// Gives `hits` the fields that the columns follow from and that are not asked for, until the
   /// next call.

@@ -24,40 +24,6 @@ static_assert(sizeof(accel::geometry::Vec3f) == 3 * sizeof(float) &&
 
 constexpr std::uint8_t kCutOff = 3;
 
-std::size_t column_bytes(v1::HitField field, std::size_t rays, std::size_t hits) {
-  switch (field) {
-    case v1::HIT_FIELD_T:
-    case v1::HIT_FIELD_SIGNED:
-      return hits * sizeof(Hit::t);
-    case v1::HIT_FIELD_NODE:
-      return hits * sizeof(Hit::node);
-    case v1::HIT_FIELD_PRIMITIVE:
-      return hits * sizeof(Hit::primitive);
-    case v1::HIT_FIELD_BARYCENTRIC:
-      return hits * (sizeof(Hit::u) + sizeof(Hit::v));
-    case v1::HIT_FIELD_NORMAL:
-      return hits * sizeof(Hit::normal);
-    case v1::HIT_FIELD_POSITION:
-      return hits * sizeof(accel::geometry::Vec3d);
-    case v1::HIT_FIELD_NAME:
-      return hits * sizeof(std::uint32_t);
-    case v1::HIT_FIELD_HIT:
-      return rays * sizeof(HitState);
-    case v1::HIT_FIELD_INSIDE:
-    case v1::HIT_FIELD_VOTES:
-      return rays;
-    case v1::HIT_FIELD_HIT_BITS:
-      return (rays + kRaysPerBitsByte - 1) / kRaysPerBitsByte;
-    case v1::HIT_FIELD_WORK:
-    case v1::HIT_FIELD_COUNT:
-      return rays * sizeof(std::uint32_t);
-    case v1::HIT_FIELD_OFFSET:
-      return (rays + 1) * sizeof(std::uint32_t);
-    default:
-      return 0;  // decode_query lets no other field through
-  }
-}
-
 /// Writes one column: the bytes of `element(row)` for every row, from row `first` on.
 template <class Row, class Element>
 void write_rows(std::span<const Row> rows, std::size_t first, std::string& data, Element element) {
@@ -152,6 +118,57 @@ void set_unanswered(std::size_t ray, std::size_t rays, v1::CastRaysResponse& rep
 }
 
 }  // namespace
+
+std::size_t column_bytes(v1::HitField field, std::size_t rays, std::size_t hits) {
+  switch (field) {
+    case v1::HIT_FIELD_T:
+    case v1::HIT_FIELD_SIGNED:
+      return hits * sizeof(Hit::t);
+    case v1::HIT_FIELD_NODE:
+      return hits * sizeof(Hit::node);
+    case v1::HIT_FIELD_PRIMITIVE:
+      return hits * sizeof(Hit::primitive);
+    case v1::HIT_FIELD_BARYCENTRIC:
+      return hits * (sizeof(Hit::u) + sizeof(Hit::v));
+    case v1::HIT_FIELD_NORMAL:
+      return hits * sizeof(Hit::normal);
+    case v1::HIT_FIELD_POSITION:
+      return hits * sizeof(accel::geometry::Vec3d);
+    case v1::HIT_FIELD_NAME:
+      return hits * sizeof(std::uint32_t);
+    case v1::HIT_FIELD_HIT:
+      return rays * sizeof(HitState);
+    case v1::HIT_FIELD_INSIDE:
+    case v1::HIT_FIELD_VOTES:
+      return rays;
+    case v1::HIT_FIELD_HIT_BITS:
+      return (rays + kRaysPerBitsByte - 1) / kRaysPerBitsByte;
+    case v1::HIT_FIELD_WORK:
+    case v1::HIT_FIELD_COUNT:
+      return rays * sizeof(std::uint32_t);
+    case v1::HIT_FIELD_OFFSET:
+      return (rays + 1) * sizeof(std::uint32_t);
+    default:
+      return 0;  // decode_query lets no other field through
+  }
+}
+
+std::size_t element_bytes(v1::HitField field) {
+  switch (field) {
+    case v1::HIT_FIELD_T:
+    case v1::HIT_FIELD_SIGNED:
+    case v1::HIT_FIELD_NODE:
+    case v1::HIT_FIELD_POSITION:
+      return sizeof(std::uint64_t);
+    case v1::HIT_FIELD_HIT:
+    case v1::HIT_FIELD_HIT_BITS:
+    case v1::HIT_FIELD_INSIDE:
+    case v1::HIT_FIELD_VOTES:
+      return sizeof(std::uint8_t);
+    default:
+      return sizeof(std::uint32_t);
+  }
+}
 
 void resize_columns(std::span<const v1::HitField> fields, std::size_t rays, std::size_t hits,
                     v1::CastRaysResponse& reply) {

@@ -18,6 +18,13 @@ inline constexpr std::size_t kMaxHitsPerReply = 20480;
 /// A slice of a batch begins at a multiple of this number of rays: the rays of a byte of HIT_BITS.
 inline constexpr std::size_t kRaysPerBitsByte = 8;
 
+/// Bytes of a column with rows for `rays` rays; where it has a row for each hit, for `hits` hits. 0
+/// for a field that this file does not size (CROSSINGS).
+std::size_t column_bytes(v1::HitField field, std::size_t rays, std::size_t hits);
+
+/// Bytes of a column's element.
+std::size_t element_bytes(v1::HitField field);
+
 /// Makes one column per field, in this order, with rows for `rays` rays and, in an answer that
 /// lists hits, for `hits` hits; else `hits` is the number of rays. The content of the rows is not
 /// defined. Reuses the memory of what the reply held before.

@@ -58,7 +58,7 @@ Status HitPager::next(const scenegraph::revision::Snapshot& snapshot,
   encode_lists(tallies, hits, fields, reply);
   reply.clear_unanswered();
   if (stats_.unanswered > 0) mark_unanswered(tallies, 0, tallies.size(), reply);
-  derived_.begin(snapshot, options.points, reply);
+  derived_.begin(snapshot, options.points, reply, reply);
   Status derived = derived_.write_lists(rays_.subspan(first, sent_ - first), tallies, hits);
   if (!derived) return derived;
   sent_hits_ += count;

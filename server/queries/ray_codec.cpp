@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <string>
@@ -72,13 +73,19 @@ Status check_column(std::string_view name, const std::string& column, std::size_
       "COLUMN_LENGTH");
 }
 
-Status check_count(std::size_t rays) {
-  if (rays <= kMaxRaysPerRequest) return {};
+std::size_t max_shared_rays(std::uint64_t max_rays_queued) {
+  constexpr std::uint64_t kShareOfQueue = 4;
+  return std::clamp<std::uint64_t>(max_rays_queued / kShareOfQueue, kMaxRaysPerRequest,
+                                   kMaxSharedRays);
+}
+
+Status check_count(std::uint64_t rays, std::size_t most) {
+  if (rays <= most) return {};
   return Error{
       Code::kResourceExhausted,
       fmt::format(
           "the request has {} rays, the limit is {}; send more requests or use StreamCastRays",
-          rays, kMaxRaysPerRequest),
+          rays, most),
       "TOO_MANY_RAYS"};
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,14 +17,21 @@ namespace sightline::server::queries {
 /// With every field, the reply to this many rays stays below 2 MiB, and its names below
 /// kMaxNameBytes beside them: clients of gRPC take 4 MiB unless they are told otherwise.
 inline constexpr std::size_t kMaxRaysPerRequest = 16384;
+/// The most rays of a request whose answers go to a segment, and whose rays come from one or are
+/// made: no message has to hold either. The fixed cost of a request is then a nanosecond a ray.
+inline constexpr std::size_t kMaxSharedRays = 262'144;
+
+/// kMaxSharedRays, or less where a server takes few rays at a time: a quarter of them, so that one
+/// request leaves room for others.
+std::size_t max_shared_rays(std::uint64_t max_rays_queued);
 
 /// The number of rays, by the lengths of the columns alone. Errors: kInvalidArgument, naming the
 /// column, its bytes and the bytes expected, or both numbers of rays where the request says another
 /// one; kResourceExhausted over kMaxRaysPerRequest.
 Result<std::size_t> count_rays(const v1::Rays& columns);
 
-/// Errors: kResourceExhausted over kMaxRaysPerRequest, as count_rays().
-Status check_count(std::size_t rays);
+/// Errors: kResourceExhausted over `most`.
+Status check_count(std::uint64_t rays, std::size_t most = kMaxRaysPerRequest);
 
 /// Checks that a column has `count` elements of `bytes` each. `by` names the column that tells
 /// their number, `elements` what they are ("rays"). Errors: kInvalidArgument.

@@ -26,6 +26,10 @@ class Peers;
 class ShardCuts;
 }  // namespace sightline::server::shards
 
+namespace sightline::server::segments {
+class Segments;
+}  // namespace sightline::server::segments
+
 namespace sightline::server::scenes {
 
 /// Each part outlives every call.
@@ -54,6 +58,7 @@ struct Services {
   exec::CallRegistry& update_streams;
   exec::CallRegistry& watches;
   exec::CallRegistry& scene_puts;
+  segments::Segments& segments;
   const shards::Peers& shard_peers;  ///< None: this server answers alone.
   shards::ShardCuts& shard_cuts;
   scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< Used if none is specified.

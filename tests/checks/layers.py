@@ -45,6 +45,7 @@ scenegraph/scene            scenegraph/* proto/result accel/geometry
 server/exec                 proto/result proto/printable accel/kdtree
 server/net/descriptor
 server/net                  server/net/descriptor server/exec proto/result
+server/segments             server/exec server/net server/net/descriptor proto/result
 server/settings             server/exec proto/result
 server/metrics              server/exec scenegraph/trace_options proto/result
 server/admin                server/exec server/net server/net/descriptor proto/result proto/printable
@@ -60,7 +61,7 @@ server/scenes               server/exec server/metrics server/store server/blobs
                             scenegraph/revision proto/result accel/kdtree
 server/shards               server/exec server/net scenegraph/query scenegraph/revision scenegraph/trace_options scenegraph/side_rule
                             proto/result proto/printable accel/geometry
-server/queries              server/exec server/metrics server/scenes server/shards scenegraph/* proto/result accel/geometry proto/rays
+server/queries              server/exec server/metrics server/scenes server/segments server/shards scenegraph/* proto/result accel/geometry proto/rays
 server/updates              server/exec server/store server/blobs server/blobs/digest server/codec server/scenes scenegraph/* proto/result
 server/durable              server/exec server/store server/store/postgres server/blobs server/blobs/digest server/codec server/scenes
                             server/updates scenegraph/* proto/result

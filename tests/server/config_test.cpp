@@ -51,6 +51,7 @@ TEST(CommandLine, HasTheDocumentedDefaults) {
   EXPECT_GE(config.threads, 1);
   EXPECT_GT(config.memory_budget, 0u);
   EXPECT_FALSE(config.insecure);
+  EXPECT_EQ(config.segments, segments::Offer::kUnix);
 }
 
 TEST(CommandLine, AcceptsEveryFlag) {
@@ -72,6 +73,8 @@ TEST(CommandLine, AcceptsEveryFlag) {
                            "6",
                            "--max-prefetches",
                            "0",
+                           "--segments",
+                           "local",
                            "--log-level",
                            "warn",
                            "--insecure",
@@ -98,6 +101,7 @@ TEST(CommandLine, AcceptsEveryFlag) {
   EXPECT_EQ(config.admission.rays, 5u);
   EXPECT_EQ(config.admission.bytes, 6u);
   EXPECT_EQ(config.max_prefetches, 0);
+  EXPECT_EQ(config.segments, segments::Offer::kLocal);
   EXPECT_EQ(std::get<CommandLine>(line).log_level, spdlog::level::warn);
   EXPECT_TRUE(config.insecure);
   EXPECT_EQ(config.admin, "localhost:0");
@@ -231,7 +235,8 @@ TEST(CommandLine, AnyMistakeIsAUsageError) {
                                                        {"--policy"},
                                                        {"--listen", "unix:"},
                                                        {"--tokens"},
-                                                       {"--max-prefetches", "65"}};
+                                                       {"--max-prefetches", "65"},
+                                                       {"--segments", "remote"}};
   for (const auto& flags : mistakes) {
     const auto line = parse(flags);
     ASSERT_TRUE(std::holds_alternative<int>(line)) << flags[0];

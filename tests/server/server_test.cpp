@@ -123,8 +123,10 @@ TEST_F(ServerTest, ReportsItsLimits) {
   std::vector<const google::protobuf::FieldDescriptor*> reported;
   info.GetReflection()->ListFields(info, &reported);
   EXPECT_FALSE(info.has_storage()) << "this server has no data directory";
+  EXPECT_EQ(info.max_segment_bytes(), 0u) << "this client is not at a Unix socket";
+  EXPECT_EQ(info.max_rays_per_shared_request(), 262'144u);
   // And the two counts of what was evicted, which are 0.
-  EXPECT_EQ(reported.size() + 3, static_cast<std::size_t>(info.GetDescriptor()->field_count()))
+  EXPECT_EQ(reported.size() + 4, static_cast<std::size_t>(info.GetDescriptor()->field_count()))
       << "a limit is missing";
 }
 

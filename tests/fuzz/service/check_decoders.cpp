@@ -14,6 +14,7 @@
 #include "server/queries/cast_query.h"
 #include "server/queries/generator_codec.h"
 #include "server/queries/ray_codec.h"
+#include "server/queries/shared_rays.h"
 #include "server/scenes/names.h"
 #include "server/updates/producer_messages.h"
 #include "server/updates/scene_codec.h"
@@ -104,12 +105,26 @@ Wrong check_mesh(const std::string& bytes, std::uint64_t cut) {
 /// Reads all points as a server does.
 Wrong check_points(const v1::QueryPointsRequest& request) {
   server::queries::BatchRays batch;
-  if (!batch.begin(request)) return std::nullopt;
+  if (!batch.begin(request, {})) return std::nullopt;
   std::vector<accel::geometry::Ray> rays(batch.size());
   batch.decode(0, rays);
   std::vector<double> made;
   const auto view = batch.view(0, batch.size(), made);
   return view.size == rays.size() ? std::nullopt : Wrong("a view of other points");
+}
+
+/// Columns of a segment that are accepted are within it.
+template <class Message>
+Wrong check_shared(const Message& message) {
+  constexpr std::uint64_t kSegment = std::uint64_t{1} << 20;
+  const auto shared =
+      server::queries::SharedRays::decode(message, kSegment, server::queries::kMaxSharedRays);
+  if (!shared) return std::nullopt;
+  for (const server::queries::SegmentRange& range : shared->ranges()) {
+    if (range.begin > kSegment || range.bytes > kSegment - range.begin)
+      return fmt::format("column {} of a segment is not within it", range.name);
+  }
+  return std::nullopt;
 }
 
 Wrong check_batch(const v1::UpdateBatch& batch) {
@@ -126,11 +141,12 @@ Wrong check_message(const google::protobuf::Message& message) {
   if (const auto* cast = dynamic_cast<const v1::CastRaysRequest*>(&message)) {
     static_cast<void>(server::queries::decode_query(*cast, scenegraph::Growth::kFirstTouch));
     if (Wrong wrong = check_names(cast->consistency().SerializeAsString())) return wrong;
+    if (cast->has_shared()) return check_shared(cast->shared());
     return cast->has_generator() ? check_generator(cast->generator()) : check_rays(cast->rays());
   }
   if (const auto* points = dynamic_cast<const v1::QueryPointsRequest*>(&message)) {
     static_cast<void>(server::queries::decode_query(*points, scenegraph::Growth::kFirstTouch));
-    return check_points(*points);
+    return points->has_shared() ? check_shared(points->shared()) : check_points(*points);
   }
   if (const auto* apply = dynamic_cast<const v1::ApplyUpdatesRequest*>(&message))
     return check_updates(apply->updates());

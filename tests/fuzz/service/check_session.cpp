@@ -26,10 +26,15 @@ using Code = grpc::StatusCode;
 
 /// A call that takes longer hangs.
 constexpr std::chrono::seconds kLimit{60};
-/// Watches have no end of their own.
+/// Watches and segments have no end of their own.
 constexpr std::chrono::milliseconds kWatch{20};
 
 const std::string kKept = "projects/kept/scenes/kept";
+
+bool has_no_end(const FuzzCall& call) {
+  const std::string& name = method_of(call).name();
+  return name == "WatchScene" || name == "OpenSegment";
+}
 
 std::string path_of(const FuzzCall& call) {
   const auto& method = method_of(call);
@@ -45,6 +50,7 @@ class Target {
     config.listen = "127.0.0.1:0";
     config.threads = 2;
     config.memory_budget = std::uint64_t{64} << 20;
+    config.segments = server::segments::Offer::kLocal;
     auto started = server::Server::start(config);
     if (!started) die(started.error().message);
     server_ = std::move(*started);
@@ -62,9 +68,8 @@ class Target {
   }
 
   RawReply run(const FuzzCall& call) const {
-    const bool watches = method_of(call).name() == "WatchScene";
     return raw_rpc(channel_, path_of(call), call.messages,
-                   watches ? kWatch : std::chrono::milliseconds(kLimit));
+                   has_no_end(call) ? kWatch : std::chrono::milliseconds(kLimit));
   }
 
   /// Describes an answer about the kept scene that has changed.
@@ -130,8 +135,7 @@ bool is_well_formed(const FuzzCall& call) {
 
 std::optional<std::string> check_status(const FuzzCall& call, const grpc::Status& status) {
   if (status.ok()) return std::nullopt;
-  const std::string& name = method_of(call).name();
-  if (name == "WatchScene" && status.error_code() == Code::DEADLINE_EXCEEDED) return std::nullopt;
+  if (has_no_end(call) && status.error_code() == Code::DEADLINE_EXCEEDED) return std::nullopt;
   if (!is_well_formed(call)) return std::nullopt;
   static const std::set<Code> kOwnFaults{Code::UNKNOWN, Code::INTERNAL, Code::UNIMPLEMENTED,
                                          Code::DEADLINE_EXCEEDED, Code::UNAVAILABLE};

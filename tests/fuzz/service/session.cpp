@@ -65,7 +65,8 @@ const std::vector<const pb::MethodDescriptor*>& methods() {
     }
     // These came later: kept sessions name the others by their numbers.
     std::stable_partition(found->begin(), found->end(), [](const pb::MethodDescriptor* method) {
-      return method->name() != "QueryPoints" && method->name() != "StreamQueryPoints";
+      return method->name() != "QueryPoints" && method->name() != "StreamQueryPoints" &&
+             method->name() != "OpenSegment";
     });
     return found;
   }();

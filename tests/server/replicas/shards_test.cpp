@@ -172,6 +172,25 @@ TEST_F(Shards, AnswerForOneShardWhereThatIsAsked) {
   EXPECT_EQ(reason_of(api(0).cast(request, &reply)), "BAD_SHARD");
 }
 
+TEST_F(Shards, OfferNoSegments) {
+  start_shards();
+  make_grid();
+  grpc::ClientContext info_context, open_context;
+  v1::GetServerInfoResponse info;
+  ASSERT_TRUE(api(0).server->GetServerInfo(&info_context, {}, &info).ok());
+  EXPECT_EQ(info.max_segment_bytes(), 0u);
+  v1::OpenSegmentRequest open;
+  open.set_bytes(4096);
+  v1::OpenSegmentResponse opened;
+  const auto call = api(0).rays->OpenSegment(&open_context, open);
+  EXPECT_FALSE(call->Read(&opened));
+  EXPECT_EQ(reason_of(call->Finish()), "SEGMENTS_NOT_OFFERED");
+  v1::CastRaysRequest request = cast_of(v1::QUERY_KIND_CLOSEST, rays());
+  request.set_segment("0");
+  v1::CastRaysResponse reply;
+  EXPECT_EQ(reason_of(api(0).cast(request, &reply)), "SEGMENTS_NOT_OFFERED");
+}
+
 TEST_F(Shards, ALostOneIsAnErrorOrLeavesRaysUnanswered) {
   start_shards();
   make_grid();

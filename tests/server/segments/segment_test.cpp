@@ -1,0 +1,128 @@
+// A segment: its seals, its bytes, and what stays of it.
+#include "server/segments/segment.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <string>
+
+namespace sightline::server::segments {
+namespace {
+
+class SegmentTest : public testing::Test {
+ protected:
+  std::shared_ptr<const Segment> make(std::uint64_t bytes) {
+    auto held = bytes_.hold({"a", "a:1"}, bytes);
+    EXPECT_TRUE(held);
+    auto made = Segment::make(bytes, "a", std::move(*held));
+    EXPECT_TRUE(made) << (made ? "" : made.error().message);
+    return made ? *made : nullptr;
+  }
+
+  exec::MemoryAccount memory_{std::uint64_t{64} << 20};
+  SegmentBytes bytes_{memory_};
+};
+
+std::uint64_t pages_of(int descriptor) {
+  struct stat found {};
+  EXPECT_EQ(fstat(descriptor, &found), 0);
+  return static_cast<std::uint64_t>(found.st_blocks) * 512 / page_size();
+}
+
+TEST_F(SegmentTest, HasItsPagesFromTheBeginning) {
+  const auto segment = make(16 * page_size());
+  EXPECT_EQ(segment->size(), 16 * page_size());
+  EXPECT_EQ(pages_of(segment->descriptor()), 16u);
+  EXPECT_EQ(memory_.used(exec::Held::kSegments), 16 * page_size());
+  std::string read(segment->size(), 'x');
+  segment->read(0, read.data(), read.size());
+  EXPECT_EQ(read, std::string(read.size(), '\0'));
+}
+
+TEST_F(SegmentTest, CannotBeShrunkGrownOrSealed) {
+  const auto segment = make(4 * page_size());
+  EXPECT_EQ(ftruncate(segment->descriptor(), 0), -1);
+  EXPECT_EQ(errno, EPERM);
+  EXPECT_EQ(ftruncate(segment->descriptor(), static_cast<off_t>(8 * page_size())), -1);
+  EXPECT_EQ(errno, EPERM);
+  EXPECT_EQ(fcntl(segment->descriptor(), F_ADD_SEALS, F_SEAL_WRITE), -1);
+  EXPECT_EQ(errno, EPERM);
+}
+
+TEST_F(SegmentTest, IsSharedWithWhoeverMapsIt) {
+  const auto segment = make(2 * page_size());
+  void* const other =
+      mmap(nullptr, segment->size(), PROT_READ | PROT_WRITE, MAP_SHARED, segment->descriptor(), 0);
+  ASSERT_NE(other, MAP_FAILED);
+  segment->write(page_size() - 2, "four", 4);
+  char* const bytes = static_cast<char*>(other) + page_size();
+  EXPECT_EQ(std::string(bytes - 2, 4), "four");
+  bytes[0] = 'X';
+  std::string read(4, ' ');
+  segment->read(page_size() - 2, read.data(), read.size());
+  EXPECT_EQ(read, "foXr");
+  munmap(other, segment->size());
+}
+
+/// A page that a client gives back is zero again, and no signal comes.
+TEST_F(SegmentTest, StandsItsPagesBeingGivenBack) {
+  if (!Segment::is_safe()) GTEST_SKIP() << "vm.overcommit_memory is 2";
+  const auto segment = make(2 * page_size());
+  segment->write(0, "four", 4);
+  ASSERT_EQ(fallocate(segment->descriptor(), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, 0,
+                      static_cast<off_t>(segment->size())),
+            0);
+  std::string read(4, ' ');
+  segment->read(0, read.data(), read.size());
+  EXPECT_EQ(read, std::string(4, '\0'));
+  segment->write(0, "more", 4);
+}
+
+TEST_F(SegmentTest, GivesItsMemoryBackWhoeverKeepsTheDescriptor) {
+  auto segment = make(16 * page_size());
+  segment->write(0, "four", 4);
+  const net::Descriptor kept(dup(segment->descriptor()));
+  void* const mapped =
+      mmap(nullptr, segment->size(), PROT_READ | PROT_WRITE, MAP_SHARED, kept.number(), 0);
+  ASSERT_NE(mapped, MAP_FAILED);
+  EXPECT_EQ(static_cast<const char*>(mapped)[0], 'f');
+  segment.reset();
+  EXPECT_EQ(memory_.used(), 0u);
+  EXPECT_EQ(pages_of(kept.number()), 0u);
+  EXPECT_EQ(static_cast<const char*>(mapped)[0], '\0');
+  munmap(mapped, 16 * page_size());
+}
+
+TEST_F(SegmentTest, APrincipalHasAShareOfTheBytes) {
+  const std::uint64_t all = memory_.limit() / kShareOfLimit;
+  EXPECT_LT(bytes_.share(), all);
+  auto most = bytes_.hold({"a", "a:1"}, bytes_.share());
+  ASSERT_TRUE(most);
+  const auto more = bytes_.hold({"a", "a:2"}, 1);
+  ASSERT_FALSE(more);
+  EXPECT_EQ(more.error().code, Code::kResourceExhausted);
+  EXPECT_EQ(more.error().reason, exec::kMemoryBudget);
+  EXPECT_NE(more.error().message.find(std::to_string(bytes_.share())), std::string::npos);
+  EXPECT_TRUE(bytes_.hold({"b", "b:1"}, all - bytes_.share()));
+  const auto beyond = bytes_.hold({"b", "b:1"}, all - bytes_.share() + 1);
+  ASSERT_FALSE(beyond);
+  EXPECT_EQ(memory_.used(), bytes_.share());
+  *most = {};
+  EXPECT_EQ(memory_.used(), 0u);
+  EXPECT_TRUE(bytes_.hold({"a", "a:1"}, 1));
+}
+
+TEST_F(SegmentTest, IsRefusedWhereTheBudgetIsUsedUp) {
+  const auto others = memory_.record(exec::Held::kMeshes, memory_.limit());
+  const auto refused = bytes_.hold({"a", "a:1"}, page_size());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, exec::kMemoryBudget);
+  EXPECT_EQ(memory_.used(exec::Held::kSegments), 0u);
+}
+
+}  // namespace
+}  // namespace sightline::server::segments
