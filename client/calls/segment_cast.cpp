@@ -28,6 +28,10 @@ template <class Rows>
 constexpr std::size_t kNamedRows =
     requires(const Rows& rows) { rows.size(); } ? kRaysPerMessage : kGeneratedRaysPerMessage;
 
+Status check_answers(SegmentPool& pool, const HitColumns& hits) {
+  return pool.has_shared() ? SegmentColumns::check(pool, columns_of(hits)) : Status();
+}
+
 bool has_answers(const HitColumns& hits) {
   const std::vector<ColumnBytes> columns = columns_of(hits);
   return std::any_of(columns.begin(), columns.end(), [](const auto& c) { return c.exists(); });
@@ -50,7 +54,9 @@ grpc::Status exchange(const Connection& connection,
       CallsOf<Request>::open(*connection.queries, context);
   stream->WriteLast(message, grpc::WriteOptions());
   int answers = 0;
-  while (stream->Read(&response)) ++answers;
+  while (stream->Read(&response)) {
+    if (++answers > 1) context.TryCancel();
+  }
   grpc::Status status = stream->Finish();
   if (status.ok() && answers != 1)
     status = {grpc::INTERNAL, fmt::format("the server gave {} answers to one message", answers)};
@@ -99,8 +105,7 @@ std::optional<Result<CastReport>> cast_in_segment(const Connection& connection,
                                                   const CastOptions& options,
                                                   Retries::Deadline deadline) {
   SegmentPool& pool = *connection.segments;
-  if (const Status checked = SegmentColumns::check(pool, columns_of(hits)); !checked)
-    return checked.error();
+  if (const Status checked = check_answers(pool, hits); !checked) return checked.error();
   if (rows.size() < kLeastSegmentRows || !has_answers(hits)) return std::nullopt;
   const SegmentWait wait{deadline, options.stop};
   const auto limits = pool.limits(wait);
@@ -132,8 +137,7 @@ std::optional<Result<CastReport>> stream_in_segment(const Connection& connection
                                                     const CastOptions& options,
                                                     Retries::Deadline deadline) {
   SegmentPool& pool = *connection.segments;
-  if (const Status checked = SegmentColumns::check(pool, columns_of(hits)); !checked)
-    return checked.error();
+  if (const Status checked = check_answers(pool, hits); !checked) return checked.error();
   const std::uint64_t total = row_count(rows);
   if (total < kLeastSegmentRows || !has_answers(hits)) return std::nullopt;
   const SegmentWait wait{deadline, options.stop};

@@ -133,10 +133,12 @@ Result<std::shared_ptr<Segment>> SegmentPool::share(std::uint64_t bytes) {
   limits_ = limits;
   std::erase_if(users_, [](const auto& segment) { return segment.expired(); });
   users_.push_back(*opened);
+  has_shared_ = true;
   return opened;
 }
 
 std::shared_ptr<Segment> SegmentPool::find(const void* address) {
+  if (!has_shared_) return nullptr;
   const std::lock_guard lock(mutex_);
   for (const std::weak_ptr<Segment>& user : users_) {
     if (auto segment = user.lock(); segment != nullptr && segment->contains(address, 1))

@@ -3,6 +3,7 @@
 
 #include <grpcpp/channel.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -60,6 +61,8 @@ class SegmentPool {
   /// Memory for a user: a segment of its own, or else memory that is not shared, with the reason.
   /// Errors: kResourceExhausted.
   Result<std::shared_ptr<Segment>> share(std::uint64_t bytes);
+  /// Whether share() has ever given a segment.
+  bool has_shared() const { return has_shared_; }
   /// The user's segment that has this address. Null: none.
   std::shared_ptr<Segment> find(const void* address);
 
@@ -79,6 +82,7 @@ class SegmentPool {
 
   const std::shared_ptr<grpc::Channel> channel_;
   const std::string refusal_;
+  std::atomic<bool> has_shared_ = false;
   std::mutex asking_;  ///< Held by the thread that waits for the server.
   std::mutex mutex_;   ///< For all below.
   std::optional<SegmentLimits> limits_;

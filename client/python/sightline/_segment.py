@@ -133,7 +133,7 @@ class Segment:
 
     def offset_of(self, column: np.ndarray) -> Optional[int]:
         """Where an array lies in it; None: not in it, or not as one piece."""
-        if not column.flags.c_contiguous:
+        if column.dtype.hasobject or not column.flags.c_contiguous:
             return None
         offset = column.ctypes.data - self.address
         return offset if 0 <= offset and offset + column.nbytes <= self.size else None

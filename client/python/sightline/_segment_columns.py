@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from typing import TYPE_CHECKING, Any, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 import numpy as np
@@ -93,6 +94,8 @@ class SegmentColumns:
             self._stay_in(user)
         self._segment = user
         self._regions: Optional[int] = None
+        self._lock = threading.Lock()  # gRPC's threads may still make a message when its call is over
+        self._is_over = False
         copied = sum(column.row_bytes for column in self._copied().values())
         self.message_rows = _message_rows(count, copied, most)
         self._places: "Dict[str, int]" = {}  # of copied columns in a region
@@ -130,6 +133,8 @@ class SegmentColumns:
         return self
 
     def __exit__(self, *_: Any) -> None:
+        with self._lock:
+            self._is_over = True
         if self._regions is not None and self._segment is not None:
             self._segment.release(self._regions, _REGIONS * self._region_size)
             self._regions = None
@@ -148,6 +153,10 @@ class SegmentColumns:
 
     def request(self, piece: SharedPiece) -> bytes:
         """What a message has beside the description. Copies its rows."""
+        with self._lock:
+            return b"" if self._is_over else self._request(piece)
+
+    def _request(self, piece: SharedPiece) -> bytes:
         form = self._query.form
         answers = [_proto.SharedColumn(field=COLUMNS[name].number, offset=self._offset(name, column, piece))
                    for name, column in self._answers.items()]
