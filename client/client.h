@@ -203,8 +203,8 @@ class Client {
 
   /// Casts one batch of rays in one message at one revision. Fills the columns of `hits` that are
   /// not empty, one row per ray. The server limits the number of rays in a message; cast_stream
-  /// takes more, and so does this where rays go through shared memory. Errors: kInvalidArgument if columns disagree in length, and for kAll, whose
-  /// answers do not have one row per ray.
+  /// takes more, and so does this where rays go through shared memory. Errors: kInvalidArgument if
+  /// columns disagree in length, and for kAll, whose answers do not have one row per ray.
   Result<CastReport> cast(const std::string& scene, const RayColumns<const double>& rays,
                           const HitColumns& hits, const CastOptions& options = {}) const;
   Result<CastReport> cast(const std::string& scene, const RayColumns<const float>& rays,
@@ -212,7 +212,8 @@ class Client {
 
   /// Casts any number of rays over one stream, all at one revision, and writes the answers to
   /// `hits`. A message has kRaysPerMessage rays, more through shared memory, and kMessagesInFlight
-  /// messages are sent before the first is answered. After an error the rows of `hits` are partly written.
+  /// messages are sent before the first is answered. After an error the rows of `hits` are partly
+  /// written.
   Result<CastReport> cast_stream(const std::string& scene, const RayColumns<const double>& rays,
                                  const HitColumns& hits, const CastOptions& options = {}) const;
   Result<CastReport> cast_stream(const std::string& scene, const RayColumns<const float>& rays,

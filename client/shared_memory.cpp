@@ -19,9 +19,8 @@ std::string SharedMemory::why_not_shared() const { return segment_->why_not_shar
 Result<std::shared_ptr<std::byte>> SharedMemory::take(std::size_t bytes) const {
   if (auto block = segment_->take(bytes)) return block;
   if (segment_->is_abandoned()) {
-    return Error{
-        Code::kFailedPrecondition, segment_->why_not_shared() + ": share new memory",
-        "MEMORY_ABANDONED"};
+    return Error{Code::kFailedPrecondition, segment_->why_not_shared() + ": share new memory",
+                 "MEMORY_ABANDONED"};
   }
   return Error{Code::kResourceExhausted,
                fmt::format("{} bytes do not fit the free parts of a shared memory of {} bytes",

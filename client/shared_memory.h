@@ -56,12 +56,12 @@ class SharedArray {
   std::size_t size_;
 };
 
-/// Memory for the columns of casts, from Client::share_memory(). Columns that lie in one such memory
-/// are not copied, neither here nor on the way; the others of the cast are. While a cast runs, do
-/// not write to its rays. After a cast that was cancelled, or whose deadline passed or connection
-/// broke, the server may still write to the columns of answers that lie here: the cast fails, the
-/// memory is not shared any more, and later casts refuse answers in it. Copies are the same memory.
-/// Threads: any, for every member.
+/// Memory for the columns of casts, from Client::share_memory(). Columns that lie in one such
+/// memory are not copied, neither here nor on the way; the others of the cast are. While a cast
+/// runs, do not write to its rays. After a cast that was cancelled, or whose deadline passed or
+/// connection broke, the server may still write to the columns of answers that lie here: the cast
+/// fails, the memory is not shared any more, and later casts refuse answers in it. Copies are the
+/// same memory. Threads: any, for every member.
 class SharedMemory {
  public:
   /// In bytes; at least as many as were asked for.

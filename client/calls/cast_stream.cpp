@@ -170,9 +170,10 @@ class Cast {
         fields_(fields),
         options_(std::move(options)),
         segment_(&segment),
-        messages_(std::in_place, [&segment](Request& request) -> Result<std::size_t> {
-          return segment.set_next(request);
-        }),
+        messages_(std::in_place,
+                  [&segment](Request& request) -> Result<std::size_t> {
+                    return segment.set_next(request);
+                  }),
         answers_(fields, options_.kind, sink, segment_),
         deadline_(deadline),
         retries_(deadline_) {}

@@ -37,7 +37,8 @@ Result<std::shared_ptr<Segment>> Segment::open(const std::shared_ptr<grpc::Chann
 Result<std::shared_ptr<Segment>> Segment::unshared(std::uint64_t bytes, std::string reason) {
   auto memory = Mapping::anonymous(bytes);
   if (!memory) return memory.error();
-  return std::shared_ptr<Segment>(new Segment({*std::move(memory), {}}, nullptr, std::move(reason)));
+  return std::shared_ptr<Segment>(
+      new Segment({*std::move(memory), {}}, nullptr, std::move(reason)));
 }
 
 std::string Segment::why_not_shared() const {

@@ -110,9 +110,8 @@ std::optional<Result<CastReport>> cast_in_segment(const Connection& connection,
   const SegmentWait wait{deadline, options.stop};
   const auto limits = pool.limits(wait);
   if (!limits) return std::nullopt;
-  const bool is_large =
-      rows.size() > std::min(limits->rows, limits->rows_of_message) ||
-      (!hits.name.empty() && rows.size() > kNamedRows<Columns>);
+  const bool is_large = rows.size() > std::min(limits->rows, limits->rows_of_message) ||
+                        (!hits.name.empty() && rows.size() > kNamedRows<Columns>);
   if (is_large) {
     if (auto report = stream_in_segment(connection, scene, rows, hits, options, deadline))
       return report;
@@ -152,15 +151,43 @@ std::optional<Result<CastReport>> stream_in_segment(const Connection& connection
                                         copy_to(hits), options, deadline);
 }
 
-template std::optional<Result<CastReport>> cast_in_segment(const Connection&, const std::string&, const RayColumns<const float>&, const HitColumns&, const CastOptions&, Retries::Deadline);
-template std::optional<Result<CastReport>> cast_in_segment(const Connection&, const std::string&, const RayColumns<const double>&, const HitColumns&, const CastOptions&, Retries::Deadline);
-template std::optional<Result<CastReport>> cast_in_segment(const Connection&, const std::string&, const PointColumns<const float>&, const HitColumns&, const CastOptions&, Retries::Deadline);
-template std::optional<Result<CastReport>> cast_in_segment(const Connection&, const std::string&, const PointColumns<const double>&, const HitColumns&, const CastOptions&, Retries::Deadline);
-template std::optional<Result<CastReport>> stream_in_segment(const Connection&, const std::string&, const RayColumns<const float>&, const HitColumns&, const CastOptions&, Retries::Deadline);
-template std::optional<Result<CastReport>> stream_in_segment(const Connection&, const std::string&, const RayColumns<const double>&, const HitColumns&, const CastOptions&, Retries::Deadline);
-template std::optional<Result<CastReport>> stream_in_segment(const Connection&, const std::string&, const PointColumns<const float>&, const HitColumns&, const CastOptions&, Retries::Deadline);
-template std::optional<Result<CastReport>> stream_in_segment(const Connection&, const std::string&, const PointColumns<const double>&, const HitColumns&, const CastOptions&, Retries::Deadline);
-template std::optional<Result<CastReport>> stream_in_segment(const Connection&, const std::string&, const RayGenerator&, const HitColumns&, const CastOptions&, Retries::Deadline);
-template std::optional<Result<CastReport>> stream_in_segment(const Connection&, const std::string&, const PointGrid&, const HitColumns&, const CastOptions&, Retries::Deadline);
+template std::optional<Result<CastReport>> cast_in_segment(const Connection&, const std::string&,
+                                                           const RayColumns<const float>&,
+                                                           const HitColumns&, const CastOptions&,
+                                                           Retries::Deadline);
+template std::optional<Result<CastReport>> cast_in_segment(const Connection&, const std::string&,
+                                                           const RayColumns<const double>&,
+                                                           const HitColumns&, const CastOptions&,
+                                                           Retries::Deadline);
+template std::optional<Result<CastReport>> cast_in_segment(const Connection&, const std::string&,
+                                                           const PointColumns<const float>&,
+                                                           const HitColumns&, const CastOptions&,
+                                                           Retries::Deadline);
+template std::optional<Result<CastReport>> cast_in_segment(const Connection&, const std::string&,
+                                                           const PointColumns<const double>&,
+                                                           const HitColumns&, const CastOptions&,
+                                                           Retries::Deadline);
+template std::optional<Result<CastReport>> stream_in_segment(const Connection&, const std::string&,
+                                                             const RayColumns<const float>&,
+                                                             const HitColumns&, const CastOptions&,
+                                                             Retries::Deadline);
+template std::optional<Result<CastReport>> stream_in_segment(const Connection&, const std::string&,
+                                                             const RayColumns<const double>&,
+                                                             const HitColumns&, const CastOptions&,
+                                                             Retries::Deadline);
+template std::optional<Result<CastReport>> stream_in_segment(const Connection&, const std::string&,
+                                                             const PointColumns<const float>&,
+                                                             const HitColumns&, const CastOptions&,
+                                                             Retries::Deadline);
+template std::optional<Result<CastReport>> stream_in_segment(const Connection&, const std::string&,
+                                                             const PointColumns<const double>&,
+                                                             const HitColumns&, const CastOptions&,
+                                                             Retries::Deadline);
+template std::optional<Result<CastReport>> stream_in_segment(const Connection&, const std::string&,
+                                                             const RayGenerator&, const HitColumns&,
+                                                             const CastOptions&, Retries::Deadline);
+template std::optional<Result<CastReport>> stream_in_segment(const Connection&, const std::string&,
+                                                             const PointGrid&, const HitColumns&,
+                                                             const CastOptions&, Retries::Deadline);
 
 }  // namespace sightline::client::calls

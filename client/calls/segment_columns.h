@@ -25,8 +25,8 @@ struct ColumnBytes {
   bool exists() const { return row_bits > 0; }
 };
 
-/// The columns of one cast. Those that lie in the caller's shared memory stay there. The others have
-/// regions, in turn: message k has region k modulo their number.
+/// The columns of one cast. Those that lie in the caller's shared memory stay there. The others
+/// have regions, in turn: message k has region k modulo their number.
 class SegmentColumns {
  public:
   /// How many rows there are, and how many go into a message.

@@ -40,12 +40,13 @@ auto restarted(const Call& call) {
   }
 }
 
-/// Lets calls on the socket end at the deadline. They take at least a millisecond, as 0 is no bound.
+/// Lets calls on the socket end at the deadline. They take at least a millisecond, as 0 is no
+/// bound.
 void bound(int socket, std::chrono::system_clock::time_point deadline) {
   using std::chrono::microseconds;
-  const auto rest = std::clamp(std::chrono::duration_cast<microseconds>(
-                                   deadline - std::chrono::system_clock::now()),
-                               microseconds(1000), microseconds(std::chrono::minutes(1)));
+  const auto rest = std::clamp(
+      std::chrono::duration_cast<microseconds>(deadline - std::chrono::system_clock::now()),
+      microseconds(1000), microseconds(std::chrono::minutes(1)));
   const timeval time{.tv_sec = rest.count() / 1'000'000, .tv_usec = rest.count() % 1'000'000};
   setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &time, sizeof time);
   setsockopt(socket, SOL_SOCKET, SO_SNDTIMEO, &time, sizeof time);
@@ -123,8 +124,7 @@ Result<Mapping> Mapping::of_segment(int descriptor, std::uint64_t bytes) {
   struct stat file {};
   if (fstat(descriptor, &file) != 0) return failed("the segment has no size");
   if (file.st_size < 0 || static_cast<std::uint64_t>(file.st_size) < bytes) {
-    return unavailable(
-        fmt::format("the segment has {} bytes instead of {}", file.st_size, bytes));
+    return unavailable(fmt::format("the segment has {} bytes instead of {}", file.st_size, bytes));
   }
   const int seals = fcntl(descriptor, F_GET_SEALS);
   if (seals < 0 || (seals & F_SEAL_SHRINK) == 0)
@@ -145,8 +145,8 @@ Result<ReceivedSegment> receive_segment(const std::string& socket, const std::st
   }
   const auto connection = connect_to(socket, deadline);
   if (!connection) return connection.error();
-  const ssize_t sent = restarted(
-      [&] { return send(connection->number(), key.data(), key.size(), MSG_NOSIGNAL); });
+  const ssize_t sent =
+      restarted([&] { return send(connection->number(), key.data(), key.size(), MSG_NOSIGNAL); });
   if (sent < 0) return failed("the key of a segment cannot be sent");
   if (static_cast<std::size_t>(sent) != key.size())
     return unavailable("the key of a segment was not taken as a whole");

@@ -158,11 +158,12 @@ void SegmentPool::lose(Segment& segment) {
 TransportChoice SegmentPool::transport() {
   if (!refusal_.empty()) return {Transport::kMessages, refusal_};
   const std::lock_guard lock(mutex_);
-  const auto is_shared = [](const auto& segment) { return segment != nullptr && segment->is_shared(); };
-  const bool has_one =
-      std::any_of(pool_.begin(), pool_.end(), is_shared) ||
-      std::any_of(users_.begin(), users_.end(),
-                  [&](const auto& segment) { return is_shared(segment.lock()); });
+  const auto is_shared = [](const auto& segment) {
+    return segment != nullptr && segment->is_shared();
+  };
+  const bool has_one = std::any_of(pool_.begin(), pool_.end(), is_shared) ||
+                       std::any_of(users_.begin(), users_.end(),
+                                   [&](const auto& segment) { return is_shared(segment.lock()); });
   if (has_one) return {Transport::kSegments, "client and server share memory"};
   return {Transport::kMessages, failure_.empty() ? "no cast has needed shared memory" : failure_};
 }

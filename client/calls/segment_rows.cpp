@@ -67,9 +67,8 @@ std::uint64_t row_count(const RayGenerator& generator) { return proto::rays::cou
 std::uint64_t row_count(const PointGrid& grid) { return proto::rays::count_of(grid); }
 
 template <class Scalar>
-void set_rows(const RayColumns<const Scalar>&, const SegmentColumns& columns,
-              std::uint64_t message, std::uint64_t first, std::uint64_t count,
-              v1::CastRaysRequest& request) {
+void set_rows(const RayColumns<const Scalar>&, const SegmentColumns& columns, std::uint64_t message,
+              std::uint64_t first, std::uint64_t count, v1::CastRaysRequest& request) {
   columns.copy_rows(message, first, count);
   v1::SharedRays& shared = *request.mutable_shared();
   shared.set_float64(std::is_same_v<Scalar, double>);

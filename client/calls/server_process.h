@@ -14,8 +14,8 @@ class ServerProcess {
   ServerProcess() = default;
   static ServerProcess of_peer(int socket);
 
-  /// Whether it has certainly ended, and its memory is gone: now, or within the time. False if it is
-  /// unknown.
+  /// Whether it has certainly ended, and its memory is gone: now, or within the time. False if it
+  /// is unknown.
   bool has_ended(std::chrono::milliseconds within) const;
 
  private:

@@ -45,9 +45,9 @@ void trim(std::size_t n, PointShape shape, v1::Points& points) {
 template <class Response>
 Result<HitView> view_hits(const Response& response, HitFields fields, std::size_t n);
 
-/// Completes a view of columns that are not in the response: with the rays that have no answer, and,
-/// if they were asked for, the names of the rows in hits.name. Errors: as view_hits(), and if a row
-/// has no name.
+/// Completes a view of columns that are not in the response: with the rays that have no answer,
+/// and, if they were asked for, the names of the rows in hits.name. Errors: as view_hits(), and if
+/// a row has no name.
 template <class Response>
 Status complete_view(const Response& response, bool has_names, std::size_t n, HitView& hits);
 

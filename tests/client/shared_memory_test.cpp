@@ -53,8 +53,8 @@ TEST_F(SharedMemoryTest, BytesAreFreeAgainWhenAnArrayGoes) {
 
 TEST_F(SharedMemoryTest, SizesThatNoMemoryHasAreRefused) {
   constexpr auto kMost = std::numeric_limits<std::size_t>::max();
-  for (const std::size_t count : {kMost, kMost / sizeof(double), kMost / sizeof(double) + 1,
-                                  std::size_t{513}})
+  for (const std::size_t count :
+       {kMost, kMost / sizeof(double), kMost / sizeof(double) + 1, std::size_t{513}})
     EXPECT_EQ(memory_->array<double>(count).error().code, Code::kResourceExhausted) << count;
   EXPECT_TRUE(memory_->array<double>(512));
   EXPECT_TRUE(memory_->array<double>(0));

@@ -53,7 +53,8 @@ class SegmentCast : public testing::Test {
 /// limits or masks, or cannot be cast.
 template <class Scalar>
 struct MixedRays {
-  explicit MixedRays(std::size_t n) : origins(3 * n), directions(3 * n), tmin(n), tmax(n), masks(n) {
+  explicit MixedRays(std::size_t n)
+      : origins(3 * n), directions(3 * n), tmin(n), tmax(n), masks(n) {
     for (std::size_t i = 0; i < n; ++i) {
       const auto column = static_cast<Scalar>(i % kSharedCopies);
       const auto x = static_cast<Scalar>(i % 97) / 97, y = static_cast<Scalar>(i % 89) / 89;
@@ -78,13 +79,31 @@ struct MixedRays {
 /// Every column, of which a cast gets some.
 struct Answers {
   explicit Answers(std::size_t n)
-      : t(n), node(n), primitive(n), uv(2 * n), normal(3 * n), position(3 * n), hit(n), count(n),
-        bits(bits_bytes(n)), unanswered(bits_bytes(n), 255), name(n), signed_distance(n),
-        inside(n), votes(n) {}
+      : t(n),
+        node(n),
+        primitive(n),
+        uv(2 * n),
+        normal(3 * n),
+        position(3 * n),
+        hit(n),
+        count(n),
+        bits(bits_bytes(n)),
+        unanswered(bits_bytes(n), 255),
+        name(n),
+        signed_distance(n),
+        inside(n),
+        votes(n) {}
 
   HitColumns of_closest() {
-    return {.t = t, .node = node, .primitive = primitive, .barycentric = uv, .normal = normal,
-            .hit = hit, .unanswered = unanswered, .position = position, .name = name};
+    return {.t = t,
+            .node = node,
+            .primitive = primitive,
+            .barycentric = uv,
+            .normal = normal,
+            .hit = hit,
+            .unanswered = unanswered,
+            .position = position,
+            .name = name};
   }
   HitColumns of_sides() {
     HitColumns columns = of_closest();
@@ -230,11 +249,8 @@ TEST_F(SegmentCast, GeneratedRowsAreAnsweredAsByMessages) {
   ASSERT_TRUE(by_messages_.cast_stream(kScene, picture, expected.of_closest()));
   ASSERT_TRUE(client_.cast_stream(kScene, picture, found.of_closest()));
   expect_same(found, expected);
-  const PointGrid grid{.origin = {0, 0, 2},
-                       .across = {0.1, 0, 0},
-                       .down = {0, 0.1, 0},
-                       .columns = 500,
-                       .rows = 100};
+  const PointGrid grid{
+      .origin = {0, 0, 2}, .across = {0.1, 0, 0}, .down = {0, 0.1, 0}, .columns = 500, .rows = 100};
   Answers near(50'000), near_expected(50'000);
   ASSERT_TRUE(by_messages_.nearest_stream(kScene, grid, near_expected.of_sides()));
   ASSERT_TRUE(client_.nearest_stream(kScene, grid, near.of_sides()));
@@ -278,8 +294,7 @@ TEST_F(SegmentCast, ColumnsThatAreSharedStayWhereTheyAre) {
     ASSERT_TRUE(client_.cast_stream(kScene, columns, spans));
     found.t.assign(t->begin(), t->end());
     found.position.assign(position->begin(), position->end());
-    ASSERT_TRUE(
-        client_.cast(kScene, columns, {.hit_bits = *bits}, {.kind = QueryKind::kAny}));
+    ASSERT_TRUE(client_.cast(kScene, columns, {.hit_bits = *bits}, {.kind = QueryKind::kAny}));
     found.bits.assign(bits->begin(), bits->end());
     expect_same(found, expected);
   };
@@ -400,9 +415,9 @@ TEST_F(SegmentCast, ErrorsAreThoseOfMessages) {
   Answers found(n);
   for (const bool is_stream : {false, true}) {
     const auto cast = [&](const std::string& scene, const CastOptions& options) {
-      const auto report = is_stream
-                              ? client_.cast_stream(scene, rays.plain(), found.of_closest(), options)
-                              : client_.cast(scene, rays.plain(), found.of_closest(), options);
+      const auto report =
+          is_stream ? client_.cast_stream(scene, rays.plain(), found.of_closest(), options)
+                    : client_.cast(scene, rays.plain(), found.of_closest(), options);
       EXPECT_FALSE(report);
       return report ? Error{} : report.error();
     };
@@ -425,12 +440,12 @@ TEST_F(SegmentCast, ACastThatIsCancelledHarmsNoOther) {
   stop.request_stop();
   for (int round = 0; round < 3; ++round) {
     Answers cancelled(n), found(n);
-    EXPECT_EQ(client_
-                  .cast_stream(kScene, rays.plain(), cancelled.of_closest(),
-                               {.stop = stop.get_token()})
-                  .error()
-                  .code,
-              Code::kCancelled);
+    EXPECT_EQ(
+        client_
+            .cast_stream(kScene, rays.plain(), cancelled.of_closest(), {.stop = stop.get_token()})
+            .error()
+            .code,
+        Code::kCancelled);
     ASSERT_TRUE(client_.cast_stream(kScene, rays.plain(), found.of_closest()));
     expect_same(found, expected);
   }
@@ -447,10 +462,9 @@ TEST_F(SegmentCast, MemoryToWhichTheServerMayStillWriteIsRefused) {
   ASSERT_TRUE(t);
   std::stop_source stop;
   stop.request_stop();
-  EXPECT_EQ(client_.cast_stream(kScene, rays.plain(), {.t = *t}, {.stop = stop.get_token()})
-                .error()
-                .code,
-            Code::kCancelled);
+  EXPECT_EQ(
+      client_.cast_stream(kScene, rays.plain(), {.t = *t}, {.stop = stop.get_token()}).error().code,
+      Code::kCancelled);
   EXPECT_FALSE(memory->is_shared());
   EXPECT_EQ(memory->array<double>(1).error().reason, "MEMORY_ABANDONED");
   const RayColumns<const float> few{std::span(rays.origins).first(3),
@@ -473,10 +487,9 @@ TEST_F(SegmentCast, ManyThreadsShareAClient) {
     threads.emplace_back([&, i] {
       for (int round = 0; round < 3; ++round) {
         Answers found(n);
-        const auto report =
-            (i + round) % 2 == 0
-                ? client_.cast(kScene, rays.columns(), found.of_closest())
-                : client_.cast_stream(kScene, rays.columns(), found.of_closest());
+        const auto report = (i + round) % 2 == 0
+                                ? client_.cast(kScene, rays.columns(), found.of_closest())
+                                : client_.cast_stream(kScene, rays.columns(), found.of_closest());
         EXPECT_TRUE(report) << report.error().message;
         expect_same(found, expected);
       }

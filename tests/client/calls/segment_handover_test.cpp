@@ -56,7 +56,8 @@ void send_descriptors(int socket, const std::vector<int>& files) {
   EXPECT_EQ(sendmsg(socket, &message, MSG_NOSIGNAL), 1);
 }
 
-/// Listens at an abstract name that the system chooses, and gives its one caller what `serve` sends.
+/// Listens at an abstract name that the system chooses, and gives its one caller what `serve`
+/// sends.
 class Handover {
  public:
   explicit Handover(std::function<void(int)> serve) : listener_(socket(AF_UNIX, SOCK_STREAM, 0)) {
