@@ -17,9 +17,10 @@ namespace {
 constexpr std::uint64_t kRegionBytes = std::uint64_t{2} << 20;
 constexpr std::uint64_t kLeastRows = 16384;
 constexpr std::uint64_t kMostRows = 65536;
-// A cast has at least so many messages, if they have kLeastRows: copying and tracing overlap.
+// A cast has at least this number of messages, if they have kLeastRows: copying and tracing
+// overlap.
 constexpr std::uint64_t kMessages = 8;
-constexpr std::uint64_t kRowsAtOnce = 4096;  // the server traces so many at a time
+constexpr std::uint64_t kRowsAtOnce = 4096;  // what the server traces at a time
 
 std::uint64_t aligned(std::uint64_t bytes) {
   constexpr std::uint64_t kMask = BlockList::kAlignment - 1;

@@ -24,7 +24,7 @@ class SharedMemoryTest : public testing::Test {
   std::optional<SharedMemory> memory_ = *client_->share_memory(4096);
 };
 
-TEST_F(SharedMemoryTest, ArraysLieInItAndApartFromEachOther) {
+TEST_F(SharedMemoryTest, ArraysLieInItBesideEachOther) {
   EXPECT_EQ(memory_->size(), 4096U);
   const auto one = memory_->array<double>(100);
   const auto other = memory_->array<std::uint8_t>(1);

@@ -452,7 +452,7 @@ TEST_F(SegmentCast, ACastThatIsCancelledHarmsNoOther) {
   EXPECT_EQ(client_.transport().transport, Transport::kSegments) << client_.transport().reason;
 }
 
-TEST_F(SegmentCast, MemoryToWhichTheServerMayStillWriteIsRefused) {
+TEST_F(SegmentCast, MemoryThatTheServerMayChangeIsRefused) {
   const std::size_t n = 40'000;
   const MixedRays<float> rays(n);
   const auto memory = client_.share_memory(std::size_t{8} << 20);
