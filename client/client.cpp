@@ -13,6 +13,7 @@
 #include "client/calls/prefetch.h"
 #include "client/calls/put_scene.h"
 #include "client/calls/read_mesh.h"
+#include "client/calls/segment_pool.h"
 #include "client/calls/update_stream_worker.h"
 #include "client/calls/upload.h"
 #include "client/calls/watch.h"
@@ -64,7 +65,18 @@ Result<Client> Client::connect(const std::string& endpoint, const ClientOptions&
   if (!credentials) return credentials.error();
   const auto channel = calls::open_channel(*parsed, *credentials, options.own_connection);
   if (!channel) return channel.error();
-  return Client(std::make_unique<calls::Connection>(*channel, options.timeout));
+  auto segments = std::make_shared<calls::SegmentPool>(
+      *channel, calls::SegmentPool::refusal_of(*parsed, options));
+  return Client(
+      std::make_unique<calls::Connection>(*channel, std::move(segments), options.timeout));
+}
+
+TransportChoice Client::transport() const { return connection_->segments->transport(); }
+
+Result<SharedMemory> Client::share_memory(std::size_t bytes) const {
+  auto segment = connection_->segments->share(bytes);
+  if (!segment) return segment.error();
+  return SharedMemory(*std::move(segment));
 }
 
 Result<ServerInfo> Client::server_info() const {

@@ -24,6 +24,7 @@
 #include "client/ray_generator.h"
 #include "client/result.h"
 #include "client/scene_info.h"
+#include "client/shared_memory.h"
 #include "client/update.h"
 #include "client/update_stream.h"
 
@@ -47,6 +48,9 @@ struct ClientOptions {
   std::string token = {};
   /// Otherwise clients of this process with the same endpoint and options may share a connection.
   bool own_connection = false;
+  /// Whether rays and answers go through memory that this client and the server share, where the
+  /// server is on this machine and offers it. Client::transport() tells which it is.
+  bool use_segments = true;
 };
 
 /// Scenes are named projects/{project}/scenes/{scene}. Errors have the server's code, message and
@@ -68,6 +72,16 @@ class Client {
   ~Client();
 
   Result<ServerInfo> server_info() const;
+
+  /// How large casts go to the server, as far as is known: that is found by the first cast of 1,024
+  /// rays or more, or by share_memory(). Casts give the same answers either way: what does not work
+  /// through shared memory is sent in messages, and tried again later.
+  TransportChoice transport() const;
+  /// Memory for the columns of casts, which are then not copied; see SharedMemory. Where the server
+  /// offers none, it is ordinary memory, and says so. The server counts the bytes as memory that it
+  /// holds, until the last array and SharedMemory is gone. Errors: kResourceExhausted, there is not
+  /// as much memory, or 0 bytes are asked for.
+  Result<SharedMemory> share_memory(std::size_t bytes) const;
 
   /// Errors: kAlreadyExists.
   Result<SceneInfo> create_scene(const std::string& scene, UpAxis up_axis = UpAxis::kUnknown,
@@ -188,17 +202,18 @@ class Client {
                                          const PrefetchProgress& progress = {}) const;
 
   /// Casts one batch of rays in one message at one revision. Fills the columns of `hits` that are
-  /// not empty, one row per ray. The server limits the number of rays in a request; cast_stream
-  /// takes more. Errors: kInvalidArgument if columns disagree in length, and for kAll, whose
-  /// answers do not have one row per ray.
+  /// not empty, one row per ray. The server limits the number of rays in a message; cast_stream
+  /// takes more, and so does this where rays go through shared memory. Errors: kInvalidArgument if
+  /// columns disagree in length, and for kAll, whose answers do not have one row per ray.
   Result<CastReport> cast(const std::string& scene, const RayColumns<const double>& rays,
                           const HitColumns& hits, const CastOptions& options = {}) const;
   Result<CastReport> cast(const std::string& scene, const RayColumns<const float>& rays,
                           const HitColumns& hits, const CastOptions& options = {}) const;
 
   /// Casts any number of rays over one stream, all at one revision, and writes the answers to
-  /// `hits`. A message has kRaysPerMessage rays, and kMessagesInFlight messages are sent before the
-  /// first is answered. After an error the rows of `hits` are partly written.
+  /// `hits`. A message has kRaysPerMessage rays, more through shared memory, and kMessagesInFlight
+  /// messages are sent before the first is answered. After an error the rows of `hits` are partly
+  /// written.
   Result<CastReport> cast_stream(const std::string& scene, const RayColumns<const double>& rays,
                                  const HitColumns& hits, const CastOptions& options = {}) const;
   Result<CastReport> cast_stream(const std::string& scene, const RayColumns<const float>& rays,

@@ -102,11 +102,15 @@ struct ServerInfo {
   std::uint32_t max_producers = 0;         ///< names per scene
   std::uint32_t max_scenes = 0;
   std::uint32_t max_connections = 0;
-  std::uint64_t memory_budget_bytes = 0;  ///< for all that the server holds
-  bool is_durable = false;                ///< it keeps scenes on disk
-  std::vector<HeldBytes> memory;          ///< what it holds now
-  std::vector<HeldBytes> tree_memory;     ///< the parts of its kind "trees"
-  std::uint64_t tree_pieces_evicted = 0;  ///< subtrees and lists, to keep within the budget
+  std::uint64_t max_segment_bytes = 0;  ///< of shared memory; 0: the server offers this client none
+  std::uint32_t max_segments = 0;       ///< open at the same time, like the next one
+  std::uint32_t max_segments_per_principal = 0;
+  std::uint64_t max_rays_per_shared_request = 0;  ///< by a segment
+  std::uint64_t memory_budget_bytes = 0;          ///< for all that the server holds
+  bool is_durable = false;                        ///< it keeps scenes on disk
+  std::vector<HeldBytes> memory;                  ///< what it holds now
+  std::vector<HeldBytes> tree_memory;             ///< the parts of its kind "trees"
+  std::uint64_t tree_pieces_evicted = 0;          ///< subtrees and lists, to keep within the budget
   std::uint64_t tree_bytes_evicted = 0;
 };
 

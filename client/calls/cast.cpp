@@ -10,6 +10,7 @@
 #include "client/calls/message_source.h"
 #include "client/calls/query_calls.h"
 #include "client/calls/retries.h"
+#include "client/calls/segment_cast.h"
 #include "client/calls/side_check.h"
 #include "client/wire/cast_codec.h"
 
@@ -28,14 +29,6 @@ void set_rows(const PointColumns<const Scalar>& points, v1::QueryPointsRequest& 
   copy_part(points, 0, wire::resize_columns<Scalar>(points.size(), shape_of(points), out));
 }
 
-HitSink copy_to(const HitColumns& hits) {
-  std::fill(hits.unanswered.begin(), hits.unanswered.end(), std::uint8_t{0});
-  return [&hits](std::uint64_t first, std::size_t, const HitView& answers) {
-    copy_hits(answers, first, hits);
-    return Status();
-  };
-}
-
 }  // namespace
 
 template <class Columns>
@@ -48,11 +41,13 @@ Result<CastReport> cast(const Connection& connection, const std::string& scene, 
   if (rows.size() == 0 && has_sides(options))
     return cast(connection, scene, rows, hits, without_sides(options));
   if (const Status checked = Calls::check(options, fields); !checked) return checked.error();
+  const auto deadline = deadline_after(connection.timeout);
+  if (auto report = cast_in_segment(connection, scene, rows, hits, options, deadline))
+    return *std::move(report);
   RequestOf<Columns> request;
   wire::describe(scene, fields, options, request);
   set_rows(rows, request);
 
-  const auto deadline = deadline_after(connection.timeout);
   Retries retries(deadline);
   typename Calls::Response response;
   while (true) {
@@ -87,6 +82,9 @@ Result<CastReport> cast_stream(const Connection& connection, const std::string& 
                                const CastOptions& options) {
   if (const Status checked = check_kind(options.kind); !checked) return checked.error();
   if (const Status checked = check_rows(rows, hits); !checked) return checked.error();
+  if (auto report = stream_in_segment(connection, scene, rows, hits, options,
+                                      deadline_after(connection.timeout)))
+    return *std::move(report);
   return cast_source(connection, scene, source_of(rows), shape_of(rows), fields_of(hits),
                      copy_to(hits), rows.size() == 0 ? without_sides(options) : options);
 }
@@ -109,6 +107,9 @@ Result<CastReport> cast_generated(const Connection& connection, const std::strin
     return Error{Code::kInvalidArgument, problem->message, problem->reason};
   const std::uint64_t count = proto::rays::count_of(generator);
   if (const Status checked = check_rows(count, hits); !checked) return checked.error();
+  if (auto report = stream_in_segment(connection, scene, generator, hits, options,
+                                      deadline_after(connection.timeout)))
+    return *std::move(report);
   return cast_generated(connection, scene, generator, fields_of(hits), copy_to(hits),
                         count == 0 ? without_sides(options) : options);
 }

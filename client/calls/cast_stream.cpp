@@ -16,6 +16,7 @@
 #include "client/calls/connection.h"
 #include "client/calls/query_calls.h"
 #include "client/calls/retries.h"
+#include "client/calls/segment_messages.h"
 #include "client/wire/cast_codec.h"
 
 namespace sightline::client::calls {
@@ -37,13 +38,13 @@ void forget_description(Request& request) {
 }
 
 /// The messages of a cast: from the source, and once more if they were not answered. Threads: the
-/// one that writes; rays() also the one that reads.
+/// one that writes; rays() and forget_rays() also the one that reads.
 template <class Request>
 class Messages {
  public:
   using Message = typename CallsOf<Request>::StreamRequest;
 
-  explicit Messages(const MessageSource<Request>& source) : source_(source) {}
+  explicit Messages(MessageSource<Request> source) : source_(std::move(source)) {}
 
   /// Message `number`, with its rays: one of the last kMessagesInFlight, or the next. Null: there
   /// are no more. Errors: those of the source, here and from then on.
@@ -63,9 +64,11 @@ class Messages {
   }
 
   std::size_t rays(std::uint64_t number) const { return rays_[number % kMessagesInFlight]; }
+  /// Another answer to the message would have no rays, so that it has nowhere to be written.
+  void forget_rays(std::uint64_t number) { rays_[number % kMessagesInFlight] = 0; }
 
  private:
-  const MessageSource<Request>& source_;
+  const MessageSource<Request> source_;
   std::array<Message, kMessagesInFlight> kept_;
   std::array<std::atomic<std::size_t>, kMessagesInFlight> rays_{};
   std::uint64_t made_ = 0;
@@ -76,19 +79,27 @@ class Messages {
 template <class Request>
 class Answers {
  public:
-  Answers(const Messages<Request>& messages, HitFields fields, QueryKind kind, const HitSink& sink)
-      : messages_(messages), fields_(fields), kind_(kind), sink_(sink) {}
+  /// `segment`: what views the answers; null: they are in the responses.
+  Answers(HitFields fields, QueryKind kind, const HitSink& sink, SegmentMessages<Request>* segment)
+      : fields_(fields), kind_(kind), sink_(sink), segment_(segment) {}
 
   /// The message that is answered next, wholly or from some ray on.
   std::uint64_t message() const { return message_; }
+  /// Its first ray.
+  std::uint64_t ray() const { return first_; }
   const CastReport& report() const { return report_; }
   bool has_begun() const { return !report_.token.empty(); }
 
   /// Notes that a new stream begins with message().
   void begin_again() { seen_ = 0; }
+  /// Notes that the rays from ray() on are in other messages, without a segment, from number 0 on.
+  void leave_segment() {
+    segment_ = nullptr;
+    message_ = 0;
+  }
 
-  /// Returns whether the message is answered.
-  Result<bool> receive(const typename CallsOf<Request>::StreamResponse& response) {
+  /// Returns whether the message, which has n rays, is answered.
+  Result<bool> receive(const typename CallsOf<Request>::StreamResponse& response, std::size_t n) {
     if (response.chunk() != message_) {
       return Error{
           Code::kInternal,
@@ -98,10 +109,10 @@ class Answers {
     const std::string& token = response.response().served().token();
     if (has_begun() && token != report_.token)
       return Error{Code::kAborted, "the scene was made anew during the cast", "SCENE_REPLACED"};
-    const std::size_t n = messages_.rays(message_);
     const bool is_all = kind_ == QueryKind::kAll;
-    const auto hits = is_all ? wire::view_all_hits(response.response(), fields_, seen_, n)
-                             : wire::view_hits(response.response(), fields_, n);
+    const auto hits = segment_ != nullptr ? segment_->view(message_, n, response.response())
+                      : is_all ? wire::view_all_hits(response.response(), fields_, seen_, n)
+                               : wire::view_hits(response.response(), fields_, n);
     if (!hits) return hits.error();
     if (const Status taken = take(is_all ? hits->offsets.size() - 1 : n, *hits); !taken)
       return taken.error();
@@ -127,10 +138,10 @@ class Answers {
     return sink_(first_ + begin, count, hits);
   }
 
-  const Messages<Request>& messages_;
   const HitFields fields_;
   const QueryKind kind_;
   const HitSink& sink_;
+  SegmentMessages<Request>* segment_;
   CastReport report_;
   std::uint64_t message_ = 0;
   std::uint64_t first_ = 0;   ///< Ray of the message.
@@ -147,9 +158,24 @@ class Cast {
         scene_(std::move(scene)),
         fields_(fields),
         options_(std::move(options)),
-        messages_(source),
-        answers_(messages_, fields, options_.kind, sink),
+        messages_(std::in_place, source),
+        answers_(fields, options_.kind, sink, nullptr),
         deadline_(deadline_after(connection.timeout)),
+        retries_(deadline_) {}
+
+  Cast(const Connection& connection, std::string scene, SegmentMessages<Request>& segment,
+       HitFields fields, const HitSink& sink, CastOptions options, Retries::Deadline deadline)
+      : connection_(connection),
+        scene_(std::move(scene)),
+        fields_(fields),
+        options_(std::move(options)),
+        segment_(&segment),
+        messages_(std::in_place,
+                  [&segment](Request& request) -> Result<std::size_t> {
+                    return segment.set_next(request);
+                  }),
+        answers_(fields, options_.kind, sink, segment_),
+        deadline_(deadline),
         retries_(deadline_) {}
 
   Result<CastReport> run() {
@@ -157,6 +183,7 @@ class Cast {
     while (true) {
       const std::uint64_t before = answers_.message();
       const Status ended = attempt();
+      const bool may_leave = segment_ == nullptr || segment_->end_call(status_);
       if (failed_) return *failed_;
       if (ended) return answers_.report();
       if (answers_.message() > before) {
@@ -165,6 +192,13 @@ class Cast {
       }
       if (retries_.wait(status_, options_.stop)) continue;
       if (options_.stop.stop_requested()) return Error{Code::kCancelled, "cancelled", {}};
+      if (segment_ != nullptr) {
+        if (answers_.ray() == segment_->rows()) return answers_.report();
+        if (!may_leave || retry_delay(status_) || status_.error_code() == grpc::DEADLINE_EXCEEDED)
+          return ended.error();
+        leave_segment();
+        if (!may_resume(ended.error().code)) continue;
+      }
       if (!may_resume(ended.error().code) || !backoff.again()) return ended.error();
       if (!sleep_unless_stopped(backoff.pause(), options_.stop))
         return Error{Code::kCancelled, "cancelled", {}};
@@ -175,6 +209,13 @@ class Cast {
   using Calls = CallsOf<Request>;
   using Stream =
       grpc::ClientReaderWriter<typename Calls::StreamRequest, typename Calls::StreamResponse>;
+
+  /// What the server says without a segment is what counts.
+  void leave_segment() {
+    messages_.emplace(segment_->rest(answers_.ray()));
+    answers_.leave_segment();
+    segment_ = nullptr;
+  }
 
   /// A replica may not have the revision yet.
   bool may_resume(Code code) const {
@@ -216,7 +257,7 @@ class Cast {
     for (std::uint64_t number = first;; ++number) {
       window.free.acquire();
       if (window.closed) return;
-      const auto message = messages_.get(number);
+      const auto message = messages_->get(number);
       if (!message) {
         window.source_error = message.error();
         context.TryCancel();
@@ -224,11 +265,13 @@ class Cast {
       }
       if (*message == nullptr) break;
       Request& request = *(*message)->mutable_request();
-      if (number == first) wire::describe(scene_, fields_, options_, request);
+      if (number == first)
+        wire::describe(scene_, segment_ != nullptr ? HitFields() : fields_, options_, request);
       set_rest_of_budget(request);
+      const bool is_empty = messages_->rays(number) == 0;
       const bool written = stream.Write(**message);
       if (number == first) forget_description(request);
-      if (!written || messages_.rays(number) == 0) break;
+      if (!written || is_empty) break;
     }
     stream.WritesDone();
   }
@@ -247,11 +290,13 @@ class Cast {
     typename Calls::StreamResponse response;
     while (stream.Read(&response)) {
       if (failed_) continue;
-      const auto is_answered = answers_.receive(response);
+      const std::uint64_t number = answers_.message();
+      const auto is_answered = answers_.receive(response, messages_->rays(number));
       if (!is_answered) {
         failed_ = is_answered.error();
         context.TryCancel();
       } else if (*is_answered) {
+        messages_->forget_rays(number);
         window.free.release();
       }
     }
@@ -262,7 +307,8 @@ class Cast {
   const HitFields fields_;
   CastOptions options_;
   const std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
-  Messages<Request> messages_;
+  SegmentMessages<Request>* segment_ = nullptr;  // null: messages have the rays and the answers
+  std::optional<Messages<Request>> messages_;
   Answers<Request> answers_;
   const Retries::Deadline deadline_;
   Retries retries_;
@@ -280,6 +326,23 @@ Result<CastReport> cast_messages(const Connection& connection, const std::string
     return checked.error();
   return Cast<Request>(connection, scene, source, fields, sink, options).run();
 }
+
+template <class Request>
+Result<CastReport> cast_messages(const Connection& connection, const std::string& scene,
+                                 SegmentMessages<Request>& messages, HitFields fields,
+                                 const HitSink& sink, const CastOptions& options,
+                                 Retries::Deadline deadline) {
+  if (const Status checked = CallsOf<Request>::check(options, fields); !checked)
+    return checked.error();
+  return Cast<Request>(connection, scene, messages, fields, sink, options, deadline).run();
+}
+
+template Result<CastReport> cast_messages(const Connection&, const std::string&,
+                                          SegmentMessages<v1::CastRaysRequest>&, HitFields,
+                                          const HitSink&, const CastOptions&, Retries::Deadline);
+template Result<CastReport> cast_messages(const Connection&, const std::string&,
+                                          SegmentMessages<v1::QueryPointsRequest>&, HitFields,
+                                          const HitSink&, const CastOptions&, Retries::Deadline);
 
 template Result<CastReport> cast_messages(const Connection&, const std::string&,
                                           const MessageSource<v1::CastRaysRequest>&, HitFields,

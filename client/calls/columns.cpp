@@ -209,6 +209,14 @@ void copy_hits(const HitView& answers, std::size_t first, const HitColumns& hits
     hits.name[first + i] = answers.names[answers.name[i]];
 }
 
+HitSink copy_to(const HitColumns& hits) {
+  std::fill(hits.unanswered.begin(), hits.unanswered.end(), std::uint8_t{0});
+  return [&hits](std::uint64_t first, std::size_t, const HitView& answers) {
+    copy_hits(answers, first, hits);
+    return Status();
+  };
+}
+
 template Status check_rows(const RayColumns<const float>&, const HitColumns&);
 template Status check_rows(const RayColumns<const double>&, const HitColumns&);
 template Status check_rows(const PointColumns<const float>&, const HitColumns&);

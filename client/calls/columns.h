@@ -51,4 +51,8 @@ PointSource<Scalar> source_of(const PointColumns<const Scalar>& points);
 /// bits.
 void copy_hits(const HitView& answers, std::size_t first, const HitColumns& hits);
 
+/// Clears `unanswered`, and returns a sink that copies answers into the columns, which must outlive
+/// it.
+HitSink copy_to(const HitColumns& hits);
+
 }  // namespace sightline::client::calls

@@ -12,6 +12,7 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <utility>
 
 #include "client/calls/channel_credentials.h"
 #include "client/calls/endpoint.h"
@@ -97,8 +98,11 @@ std::string random_request_id();
 
 namespace v1 = ::sightline::v1;
 
+class SegmentPool;
+
 struct Connection {
   Connection(const std::shared_ptr<grpc::Channel>& channel_in_use,
+             std::shared_ptr<SegmentPool> segment_pool,
              std::optional<std::chrono::milliseconds> call_timeout)
       : channel(channel_in_use),
         scenes(v1::SceneService::NewStub(channel_in_use)),
@@ -106,6 +110,7 @@ struct Connection {
         queries(v1::RayQueryService::NewStub(channel_in_use)),
         backups(v1::BackupService::NewStub(channel_in_use)),
         server(v1::ServerService::NewStub(channel_in_use)),
+        segments(std::move(segment_pool)),
         timeout(call_timeout) {}
 
   std::shared_ptr<grpc::Channel> channel;
@@ -114,6 +119,7 @@ struct Connection {
   std::unique_ptr<v1::RayQueryService::Stub> queries;
   std::unique_ptr<v1::BackupService::Stub> backups;
   std::unique_ptr<v1::ServerService::Stub> server;
+  std::shared_ptr<SegmentPool> segments;
   std::optional<std::chrono::milliseconds> timeout;  ///< see ClientOptions::timeout
 
   /// Waits until the connection stands, for kConnectWait at most. Call this before a call that gRPC

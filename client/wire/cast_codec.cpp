@@ -89,14 +89,18 @@ bool view_rays(const Response& response, HitFields fields, std::size_t n, HitVie
          view_sides(response, fields, n, hits);
 }
 
-// Views the names. Returns false also if a row is not one of them.
+// Views the names. Returns false if a row is not one of them.
+template <class Response>
+bool view_names_of_rows(const Response& response, HitView& hits) {
+  hits.names.assign(response.names().begin(), response.names().end());
+  return std::all_of(hits.name.begin(), hits.name.end(),
+                     [&](std::uint32_t row) { return row < hits.names.size(); });
+}
+
 template <class Response>
 bool view_names(const Response& response, HitFields fields, std::size_t n, HitView& hits) {
-  if (!fields.name) return true;
-  hits.names.assign(response.names().begin(), response.names().end());
-  return view_column(response, true, v1::HIT_FIELD_NAME, n, hits.name) &&
-         std::all_of(hits.name.begin(), hits.name.end(),
-                     [&](std::uint32_t row) { return row < hits.names.size(); });
+  return !fields.name || (view_column(response, true, v1::HIT_FIELD_NAME, n, hits.name) &&
+                          view_names_of_rows(response, hits));
 }
 
 template <class Response>
@@ -186,6 +190,13 @@ Result<HitView> view_hits(const Response& response, HitFields fields, std::size_
 }
 
 template <class Response>
+Status complete_view(const Response& response, bool has_names, std::size_t n, HitView& hits) {
+  if (!view_unanswered(response, n, hits) || (has_names && !view_names_of_rows(response, hits)))
+    return incomplete(response, n);
+  return {};
+}
+
+template <class Response>
 Result<HitView> view_all_hits(const Response& response, HitFields fields, std::size_t first,
                               std::size_t n) {
   HitView hits;
@@ -237,6 +248,8 @@ template PointColumns<float> resize_columns(std::size_t, PointShape, v1::Points&
 template PointColumns<double> resize_columns(std::size_t, PointShape, v1::Points&);
 template Result<HitView> view_hits(const v1::CastRaysResponse&, HitFields, std::size_t);
 template Result<HitView> view_hits(const v1::QueryPointsResponse&, HitFields, std::size_t);
+template Status complete_view(const v1::CastRaysResponse&, bool, std::size_t, HitView&);
+template Status complete_view(const v1::QueryPointsResponse&, bool, std::size_t, HitView&);
 template Result<HitView> view_all_hits(const v1::CastRaysResponse&, HitFields, std::size_t,
                                        std::size_t);
 template Result<HitView> view_all_hits(const v1::QueryPointsResponse&, HitFields, std::size_t,

@@ -45,6 +45,12 @@ void trim(std::size_t n, PointShape shape, v1::Points& points) {
 template <class Response>
 Result<HitView> view_hits(const Response& response, HitFields fields, std::size_t n);
 
+/// Completes a view of columns that are not in the response: with the rays that have no answer,
+/// and, if they were asked for, the names of the rows in hits.name. Errors: as view_hits(), and if
+/// a row has no name.
+template <class Response>
+Status complete_view(const Response& response, bool has_names, std::size_t n, HitView& hits);
+
 /// A part of an answer that lists all hits. Errors: kInternal as view_hits(), and if the part does
 /// not begin with ray `first` of its batch, exceeds its n rays, or ends the batch before them.
 template <class Response>

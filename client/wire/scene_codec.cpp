@@ -220,6 +220,10 @@ ServerInfo decode(const v1::GetServerInfoResponse& info) {
   out.max_producers = info.max_producers();
   out.max_scenes = info.max_scenes();
   out.max_connections = info.max_connections();
+  out.max_segment_bytes = info.max_segment_bytes();
+  out.max_segments = info.max_segments();
+  out.max_segments_per_principal = info.max_segments_per_principal();
+  out.max_rays_per_shared_request = info.max_rays_per_shared_request();
   out.memory_budget_bytes = info.memory_budget_bytes();
   out.memory = held(info.memory());
   out.tree_memory = held(info.tree_memory());

@@ -21,7 +21,7 @@ class BrokenConnectionTest(ServerTest):
     def setUp(self):
         self.proxy = Proxy(self.server.endpoint)
         self.addCleanup(self.proxy.close)
-        self.remote = sightline.connect(self.proxy.endpoint)
+        self.remote = sightline.connect(self.proxy.endpoint, use_segments=False)
         self.addCleanup(self.remote.close)
         self.scene = self.remote.import_arrays(self.id().rpartition(".")[2].lower().replace("_", "-"), *brute.soup(),
                                                replace=True)

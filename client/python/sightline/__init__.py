@@ -28,6 +28,7 @@ from .points import PointGrid, Points, as_points
 from .rays import Rays, as_rays
 from .scene import Scene, SceneInfo
 from .server import Server, serve
+from .shared_memory import SharedMemory, Transport
 from .update_stream import UpdateStream
 from .watch import Change
 
@@ -35,6 +36,6 @@ __all__ = [
     "Aborted", "AllHits", "AllNearest", "AlreadyExists", "Applied", "Batch", "Cancelled", "Change", "Client", "DataLoss",
     "DeadlineExceeded", "FailedPrecondition", "Hits", "Internal", "InvalidArgument", "Nearest", "Node", "NotFound",
     "OutOfRange", "PermissionDenied", "Picture", "PointGrid", "Points", "PrecisionWarning", "Rays", "ResourceExhausted",
-    "Scene", "SceneInfo", "Server", "SightlineError", "Unauthenticated", "Unavailable", "Unimplemented", "Unknown",
-    "UpdateStream", "__version__", "as_points", "as_rays", "connect", "errors", "serve", "updates",
+    "Scene", "SceneInfo", "Server", "SharedMemory", "SightlineError", "Transport", "Unauthenticated", "Unavailable",
+    "Unimplemented", "Unknown", "UpdateStream", "__version__", "as_points", "as_rays", "connect", "errors", "serve", "updates",
 ]

@@ -22,9 +22,9 @@ class Rows:
         """Those of the message, in its order; None: one that is not sent."""
         raise NotImplementedError
 
-    def slices(self, size: int) -> "Iterator[Tuple[int, int]]":
-        """Ranges of at most `size` rows; one empty range where there are none."""
-        for begin in range(0, max(self.count, 1), size):
+    def slices(self, size: int, first: int = 0) -> "Iterator[Tuple[int, int]]":
+        """Ranges of at most `size` rows, from row `first` on; one empty range where there are no rows."""
+        for begin in range(first, max(self.count, 1), size):
             yield begin, min(begin + size, self.count)
 
 

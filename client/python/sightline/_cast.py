@@ -14,6 +14,7 @@ from ._arrays import Rows
 from ._connection import Connection
 from ._retries import Retries, sleep
 from ._query import Query, milliseconds
+from ._segment_columns import SegmentColumns, SharedPiece
 from ._window import Window
 
 RAYS_PER_MESSAGE = 16384
@@ -37,16 +38,17 @@ def cast_once(connection: Connection, query: Query, rays: Rows, timeout: Optiona
                                          scene=query.request.scene))
 
 
-def pieces(batches: "Iterable[Rows]", size: int) -> "Iterator[Piece]":
-    """The messages of batches."""
+def pieces(batches: "Iterable[Rows]", size: int, first: int = 0) -> "Iterator[Piece]":
+    """The messages of batches, of each from row `first` on."""
     for rays in batches:
-        for begin, end in rays.slices(size):
+        for begin, end in rays.slices(size, first):
             yield Piece(rays, begin, end)
 
 
-def generated(generator: Any, total: int, size: int) -> "Iterator[Any]":
-    """The requests for the rays of a generator, or the points of a grid; each is a message of its type."""
-    for first in range(0, total, size):
+def generated(generator: Any, total: int, size: int, begin: int = 0) -> "Iterator[Any]":
+    """The requests for the rays of a generator, or the points of a grid, from number `begin` on; each is a message of its
+    type."""
+    for first in range(begin, total, size):
         part = type(generator)()
         part.CopyFrom(generator)
         part.first, part.count = first, min(size, total - first)
@@ -57,11 +59,14 @@ class CastStream:
     """Answers to the items of a source, in order, all at one revision.
 
     Items are Pieces, or messages RayGenerator or PointGrid. They are taken from the source by another thread, a few ahead of the answers.
+    With `segment`, items are its pieces, and a broken call is not opened again: the server might still write to it.
     """
 
-    def __init__(self, connection: Connection, query: Query, source: "Iterator[Any]", timeout: Optional[float]):
+    def __init__(self, connection: Connection, query: Query, source: "Iterator[Any]", timeout: Optional[float],
+                 segment: Optional[SegmentColumns] = None):
         self._connection = connection
         self._query = query
+        self._segment = segment
         self._deadline = None
         seconds = connection.timeout if timeout is None else timeout
         if seconds is not None:
@@ -86,6 +91,8 @@ class CastStream:
                     if not self._window.is_done():
                         raise errors.Unavailable("the server ended the call")
                 except errors.Unavailable:
+                    if self._segment is not None:
+                        raise
                     failures += 1
                     pause = _FIRST_PAUSE * 2 ** failures
                     if failures == _ATTEMPTS or (self._deadline and time.monotonic() + pause > self._deadline):
@@ -111,6 +118,8 @@ class CastStream:
                     raise errors.Internal(f"the server answered message {chunk} instead of {expected}")
                 self._revision = answer.revision
                 parts.append(answer)
+                if isinstance(item, SharedPiece):
+                    item.columns.put(item, answer)
                 if not answer.more:
                     self._window.answered()
                     yield item, parts
@@ -123,13 +132,16 @@ class CastStream:
         return self._query.form.request(time_budget_ms=rest).SerializeToString()
 
     def _encoder(self) -> "Callable[[int, Any], bytes]":
-        form, request = self._query.form, self._query.request
+        form = self._query.form
+        request = self._query.request if self._segment is None else self._segment.description()
         if self._revision is not None:
             request.consistency.exact_revision = self._revision
         description = request.SerializeToString()
 
         def encode(chunk: int, item: Any) -> bytes:
             head = self._rest_of_budget() if chunk else description
+            if isinstance(item, SharedPiece):
+                return codec.stream_request(chunk, [head, item.columns.request(item)])
             if isinstance(item, Piece):
                 return codec.stream_request(chunk, codec.request_parts(head, *item))
             generator = form.request(**{form.generator: item}).SerializeToString()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Set, Tuple
 
 import numpy as np
 
@@ -69,7 +69,8 @@ class Answer:
         self.stats: Optional[Any] = None
         self.first_ray = 0
         self.more = False
-        names: "List[str]" = []
+        self.in_place: "Set[str]" = set()  # columns that are where the caller wants them
+        self._names: "List[str]" = []
         for number, value in _wire.fields(data):
             if number == _RESPONSE["columns"]:
                 self._add_column(value)
@@ -83,9 +84,20 @@ class Answer:
             elif number == _RESPONSE["more"]:
                 self.more = bool(value)
             elif number == _RESPONSE["names"]:
-                names.append(str(value, "utf-8"))
+                self._names.append(str(value, "utf-8"))
         if "name" in self.columns:
-            self._put_names(names)
+            self._put_names()
+
+    def put(self, name: str, rows: np.ndarray) -> None:
+        """Adds a column of a segment. Errors: Internal, a row has no name."""
+        if name != "name":
+            self.columns[name] = rows
+            return
+        self.columns[name] = rows.copy()  # another process cannot change it after it is checked
+        try:
+            self._put_names()
+        except ValueError as error:
+            raise errors.Internal(str(error)) from None
 
     def _add_column(self, data: memoryview) -> None:
         field, content = 0, memoryview(b"")
@@ -101,8 +113,8 @@ class Answer:
         rows = np.frombuffer(content, column.dtype) if len(content) else np.empty(0, column.dtype)
         self.columns[name] = rows.reshape(-1, *column.row)
 
-    def _put_names(self, names: "List[str]") -> None:
-        rows = self.columns["name"]
+    def _put_names(self) -> None:
+        rows, names = self.columns["name"], self._names
         if len(rows) and rows.max() >= len(names):
             raise ValueError(f"the server's answer names row {rows.max()} of {len(names)} names")
         self.columns["name"] = np.array(names, object)[rows] if names else np.empty(0, object)

@@ -12,6 +12,7 @@ from ._all_hits import complete, complete_points
 from ._arrays import Rows
 from ._cast import RAYS_PER_MESSAGE, CastStream, Piece, cast_once, generated, pieces
 from ._connection import Connection
+from ._segment_columns import SegmentColumns
 from ._query import OF_HITS, POINTS, Query
 from .hits import AllHits, Hits, NameLookup, empty_columns
 from .nearest import AllNearest, Nearest
@@ -39,21 +40,28 @@ class _Totals:
 class _PerRay:
     """Fills a row for each ray."""
 
-    def __init__(self, query: Query, count: int):
+    def __init__(self, query: Query, count: int, out: "Dict[str, np.ndarray]"):
         self._made = Nearest if query.form is POINTS else Hits
-        self._columns = empty_columns(query.columns, count)
+        others = tuple(name for name in query.columns if name not in out)
+        self.columns = {**empty_columns(others, count), **out}
         self._totals = _Totals()
-        self._filled = 0
+        self.filled = 0
 
     def add(self, count: int, answers: "List[codec.Answer]") -> None:
-        begin, self._filled = self._filled, self._filled + count
-        for name, column in self._columns.items():
-            column[begin:self._filled] = answers[0].rows(name, count)
+        begin, self.filled = self.filled, self.filled + count
+        for name, column in self.columns.items():
+            if name not in answers[0].in_place:
+                column[begin:self.filled] = answers[0].rows(name, count)
         self._totals.add(answers[0])
+
+    @property
+    def revision(self) -> int:
+        """The one that has answered the rows that are filled."""
+        return self._totals.revision
 
     def hits(self, shape: "Tuple[int, ...]", rays: Optional[Source], names: NameLookup) -> Hits:
         totals = self._totals
-        return self._made(shape, self._columns, totals.revision, totals.token, totals.stats, rays, names)
+        return self._made(shape, self.columns, totals.revision, totals.token, totals.stats, rays, names)
 
 
 class _PerHit:
@@ -85,8 +93,23 @@ class _PerHit:
         return self._made(shape, columns, totals.revision, totals.token, totals.stats, rays, names)
 
 
-def _collector(query: Query, count: int) -> "Union[_PerRay, _PerHit]":
-    return _PerHit(query, count) if query.kind == "all" else _PerRay(query, count)
+def _collector(query: Query, count: int, out: "Dict[str, np.ndarray]") -> "Union[_PerRay, _PerHit]":
+    return _PerHit(query, count) if query.kind == "all" else _PerRay(query, count, out)
+
+
+def _fill_through_segment(connection: Connection, query: Query, source: Any, count: int, collector: _PerRay,
+                          timeout: Optional[float], progress: Progress) -> None:
+    """Fills what rows it can, from the first one on; the others go by messages."""
+    columns = SegmentColumns.make(connection, query, source, count, collector.columns, timeout)
+    if columns is None:
+        return
+    with columns:
+        try:
+            for piece, answers in CastStream(connection, query, columns.pieces(), timeout, columns).answers():
+                collector.add(piece.end - piece.begin, answers)
+                progress(piece.end - piece.begin)
+        except BaseException as error:  # it is raised, or noted
+            columns.end_call(error)
 
 
 class Caster:
@@ -101,10 +124,10 @@ class Caster:
         self._deadline: Optional[float] = None    # once the cast has begun, as the next
         self._budget_end: Optional[float] = None
 
-    def cast(self, rays: Source, progress: Progress) -> "Union[Hits, AllHits]":
-        """All rays of an array, or points of a grid."""
+    def cast(self, rays: Source, progress: Progress, out: "Optional[Dict[str, np.ndarray]]" = None) -> "Union[Hits, AllHits]":
+        """All rays of an array, or points of a grid. out: columns that are filled."""
         self._begin()
-        return self._completed(self._answers(self._query, rays, progress), rays)
+        return self._completed(self._answers(self._query, rays, progress, out or {}), rays)
 
     def cast_batches(self, batches: "Iterable[Rows]", progress: Progress) -> "Iterator[Union[Hits, AllHits]]":
         """The hits of each batch, in order. A few messages are in memory at a time, and the batches they belong to."""
@@ -113,7 +136,7 @@ class Caster:
         collector = None
         for piece, answers in self._stream(self._query, source):
             if collector is None:
-                collector = _collector(self._query, piece.rays.count)
+                collector = _collector(self._query, piece.rays.count, {})
             collector.add(piece.end - piece.begin, answers)
             progress(piece.end - piece.begin)
             if _is_last(piece):
@@ -125,17 +148,25 @@ class Caster:
         self._deadline = None if self._seconds is None else now + self._seconds
         self._budget_end = now + budget / 1000 if budget else None
 
-    def _answers(self, query: Query, rays: Source, progress: Progress) -> "Union[Hits, AllHits]":
-        collector, size = _collector(query, rays.count), min(self._limit, RAYS_PER_MESSAGE)
-        if isinstance(rays, PointGrid):
-            for part, answers in self._stream(query, generated(rays.message(), rays.count, size)):
+    def _answers(self, query: Query, rays: Source, progress: Progress,
+                 out: "Dict[str, np.ndarray]") -> "Union[Hits, AllHits]":
+        collector, size, begin = _collector(query, rays.count, out), min(self._limit, RAYS_PER_MESSAGE), 0
+        if isinstance(collector, _PerRay):
+            source = rays.message() if isinstance(rays, PointGrid) else rays
+            _fill_through_segment(self._connection, query, source, rays.count, collector, self._rest(), progress)
+            begin = collector.filled
+            query = query.going_on(collector.revision, self._budget_end) if begin else query
+        if begin == rays.count and begin:
+            pass
+        elif isinstance(rays, PointGrid):
+            for part, answers in self._stream(query, generated(rays.message(), rays.count, size, begin)):
                 collector.add(part.count, answers)
                 progress(part.count)
-        elif rays.count <= self._limit and query.kind != "all":
+        elif not begin and rays.count <= self._limit and query.kind != "all":
             collector.add(rays.count, [cast_once(self._connection, query, rays, self._rest())])
             progress(rays.count)
         else:
-            for piece, answers in self._stream(query, pieces([rays], size)):
+            for piece, answers in self._stream(query, pieces([rays], size, begin)):
                 collector.add(piece.end - piece.begin, answers)
                 progress(piece.end - piece.begin)
         return collector.hits(rays.shape, rays, self._names)
@@ -150,7 +181,7 @@ class Caster:
         query = self._query
 
         def again(some: Rows) -> Any:
-            return self._answers(query.again(hits.revision, self._budget_end), some, lambda _: None)
+            return self._answers(query.again(hits.revision, self._budget_end), some, lambda _: None, {})
 
         if isinstance(hits, AllNearest) and query.needs_more():
             complete_points(hits, lambda rows: again(rays.some(rows)))
@@ -170,8 +201,14 @@ def cast_generated(connection: Connection, query: Query, generator: Any, shape: 
                    timeout: Optional[float], names: NameLookup) -> Hits:
     """Casts rays that the server makes, of another kind than "all": as many as `shape` has elements."""
     total = int(np.prod(shape))
-    collector = _PerRay(query, total)
-    source = generated(generator, total, _MOST_GENERATED)
-    for part, answers in CastStream(connection, query, source, timeout).answers():
-        collector.add(part.count, answers)
+    collector = _PerRay(query, total, {})
+    seconds = connection.timeout if timeout is None else timeout
+    deadline = None if seconds is None else time.monotonic() + seconds
+    _fill_through_segment(connection, query, generator, total, collector, seconds, lambda _: None)
+    if collector.filled < total or not total:
+        rest = None if deadline is None else max(0.0, deadline - time.monotonic())
+        query = query.going_on(collector.revision, None) if collector.filled else query
+        source = generated(generator, total, _MOST_GENERATED, collector.filled)
+        for part, answers in CastStream(connection, query, source, rest).answers():
+            collector.add(part.count, answers)
     return collector.hits(shape, None, names)

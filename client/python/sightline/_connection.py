@@ -14,6 +14,7 @@ from . import _proto, errors
 from ._endpoint import Endpoint
 from ._retries import Retries
 from ._scope import scope
+from ._segments import SegmentPool, refusal_of
 from ._waiting import read_ahead, result_of
 
 DEFAULT_ENDPOINT = "127.0.0.1:50151"
@@ -59,7 +60,7 @@ class Connection:
     """Threads: any."""
 
     def __init__(self, endpoint: str, tls_ca: Any, tls_cert: Any, tls_key: Any, token: "str | None",
-                 token_file: Any, timeout: "float | None"):
+                 token_file: Any, timeout: "float | None", use_segments: bool = True):
         address = Endpoint(endpoint)
         if (tls_cert is None) != (tls_key is None):
             raise ValueError("tls_cert and tls_key belong together")
@@ -77,6 +78,7 @@ class Connection:
         self.timeout = timeout
         self._metadata = (("authorization", f"Bearer {token}"),) if token else ()
         self._channel = _open(address, _read(tls_ca), _read(tls_cert), _read(tls_key))
+        self.segments = SegmentPool(self, refusal_of(address, use_segments))
         self._callables = {name: self._callable(name) for name in _proto.methods}
 
     def _callable(self, name: str) -> Any:
@@ -128,6 +130,10 @@ class Connection:
         """A call with many answers; `timeout` in seconds, None: no limit. `scene` as for call()."""
         metadata = self._metadata + _route(request, scene)
         return Stream(self._callables[name](request, timeout=timeout, metadata=metadata))
+
+    def begin(self, name: str, request: Any) -> Any:
+        """A call with many answers, of gRPC, which ends when it is cancelled or forgotten."""
+        return self._callables[name](request, metadata=self._metadata)
 
     def _seconds(self, timeout: "float | None", light: bool) -> "float | None":
         if timeout is None:

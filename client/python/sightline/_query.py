@@ -83,13 +83,18 @@ class Query(NamedTuple):
 
     def again(self, revision: int, end_of_budget: Optional[float]) -> "Query":
         """The query for the rest of the hits: at this revision, as many as an answer lists, within the budget's rest."""
+        query = self.going_on(revision, end_of_budget)
+        query.request.max_hits = MOST_LISTED
+        return query._replace(most=MOST_LISTED, hidden=())
+
+    def going_on(self, revision: int, end_of_budget: Optional[float]) -> "Query":
+        """The query for further rays: at this revision, within the budget's rest."""
         request = self.form.request()
         request.CopyFrom(self.request)
-        request.max_hits = MOST_LISTED
         set_consistency(request, None, revision)
         if end_of_budget is not None:
             request.time_budget_ms = milliseconds(end_of_budget - time.monotonic())
-        return Query(self.form, self.kind, self.columns, request, MOST_LISTED)
+        return self._replace(request=request)
 
 
 def describe(form: Form, scene: str, kind: str, fields: "Optional[Iterable[str]]", build: "Optional[str]",

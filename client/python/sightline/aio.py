@@ -21,6 +21,7 @@ from . import scene as _scene
 from . import update_stream as _update_stream
 from ._scope import CallScope, scope
 from ._warnings import give
+from .shared_memory import SharedMemory, Transport
 
 _THREADS = 64  # as many calls as a server takes of one connection at a time
 _END = object()
@@ -151,6 +152,13 @@ class Client:
 
     async def server_info(self) -> Any:
         return await self._threads.run(self._client.server_info)
+
+    @property
+    def transport(self) -> Transport:
+        return self._client.transport
+
+    async def share_memory(self, size: int) -> SharedMemory:
+        return await self._threads.run(self._client.share_memory, size)
 
 
 def _awaited(name: str) -> Any:

@@ -14,6 +14,7 @@ from .batch import apply
 from .meshes import as_mesh, upload
 from .nodes import translation
 from .scene import Scene, SceneInfo
+from .shared_memory import SharedMemory, Transport
 from .updates import put_node
 
 _UP = {None: 0, "y": 1, "z": 2}
@@ -22,14 +23,15 @@ Path = Union[str, "os.PathLike[str]"]
 
 def connect(endpoint: Optional[str] = None, *, tls_ca: Optional[Path] = None, tls_cert: Optional[Path] = None,
             tls_key: Optional[Path] = None, token: Optional[str] = None, token_file: Optional[Path] = None,
-            timeout: Optional[float] = None) -> "Client":
+            timeout: Optional[float] = None, use_segments: bool = True) -> "Client":
     """A client of the server at `endpoint`, HOST:PORT, HOST:PORT,HOST:PORT... of replicas that take turns, or
     unix:PATH; default: SIGHTLINE_ENDPOINT, else 127.0.0.1:50151.
 
     tls_ca, tls_cert, tls_key: PEM files. With tls_ca the connection is encrypted, and the server needs a certificate of
     its name that one of these has signed; the others are this client's own. token, or the content of token_file, or
     SIGHTLINE_TOKEN, goes with every call. timeout: seconds for each call; None: one minute for calls that send neither
-    rays nor meshes, no limit for others.
+    rays nor meshes, no limit for others. use_segments: whether rays and answers of large casts go through memory that this
+    client and a server on the same machine share, where it offers that; Client.transport tells.
 
     The first call makes the connection, and a later one reconnects if it broke. Errors: ValueError, an endpoint of
     another form or a bad token; OSError, a file that cannot be read; Unauthenticated, a token that would be sent to
@@ -37,7 +39,7 @@ def connect(endpoint: Optional[str] = None, *, tls_ca: Optional[Path] = None, tl
     """
     if endpoint is None:
         endpoint = os.environ.get("SIGHTLINE_ENDPOINT") or DEFAULT_ENDPOINT
-    return Client(Connection(endpoint, tls_ca, tls_cert, tls_key, token, token_file, timeout))
+    return Client(Connection(endpoint, tls_ca, tls_cert, tls_key, token, token_file, timeout, use_segments))
 
 
 def resource_name(name: str, project: str = "default") -> str:
@@ -83,6 +85,22 @@ class Client:
     def server_info(self) -> Any:
         """What the server says of itself: version, features, limits (a message GetServerInfoResponse)."""
         return self._connection.call("GetServerInfo", _proto.GetServerInfoRequest())
+
+    @property
+    def transport(self) -> Transport:
+        """How large casts go to the server, as far as is known: that is found by the first cast of 8,192 rays or more, or
+        by share_memory(). Answers are the same either way: what does not work through shared memory is sent in messages,
+        and tried again later."""
+        return self._connection.segments.transport()
+
+    def share_memory(self, size: int) -> SharedMemory:
+        """Memory of at least `size` bytes for the columns of casts, which are then not copied; see SharedMemory. Where the
+        server offers none it is ordinary memory, and says so. The server counts it as memory that it holds, until the last
+        array and the SharedMemory are gone. Errors: ValueError, size is not above 0; ResourceExhausted, there is not as
+        much memory."""
+        if size <= 0:
+            raise ValueError(f"size is above 0, not {size}")
+        return SharedMemory(self._connection.segments.share(size))
 
     def max_rays_per_request(self) -> int:
         """A limit of the server, which is asked once."""

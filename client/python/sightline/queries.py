@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, Optio
 
 import numpy as np
 
-from . import _query, updates
+from . import _out, _query, updates
 from ._caster import Caster
 from ._connection import Connection
 from ._precision import warn_of_origins, warn_of_points
@@ -37,7 +37,7 @@ class Queries:
              exclude: Iterable[AnyNode] = (), max_hits: int = 0, at_least: Optional[str] = None,
              revision: Optional[int] = None, timeout: Optional[float] = None,
              progress: Union[bool, Callable[[int, Optional[int]], Any]] = False,
-             time_budget: Optional[float] = None, allow_partial: bool = False) -> Any:
+             time_budget: Optional[float] = None, allow_partial: bool = False, out: Optional[_out.Out] = None) -> Any:
         """What rays hit.
 
         rays: real (..., 6), ox oy oz dx dy dz, or (..., 8), and tmin tmax; or origins and directions (..., 3), and
@@ -57,6 +57,10 @@ class Queries:
         casting them again goes on from there, since what was built stays. allow_partial: if one of several servers that
         share the scene is lost, rays that need it are marked likewise, and the cast does not fail.
         timeout: seconds. progress: True (a bar by tqdm, if installed) or a function of (done, total).
+        out: arrays by field, such as {"t": t, "node": node}, which are filled and are the answer's; their fields are asked for,
+        if `fields` does not name others beside them. Contiguous, with the leading shape of the rays and the answer's types;
+        hit as uint8: 0 miss, 1 hit, 2 invalid, 4 unanswered. Not for "all", iterators and names. Together with rays in one
+        SharedMemory, nothing is copied.
 
         Returns Hits, or AllHits for "all", with the leading shape of the rays. Errors: TypeError, ValueError (rays or
         words of another form), OutOfRange (the revision is not kept), DeadlineExceeded, ResourceExhausted (the server
@@ -64,14 +68,17 @@ class Queries:
         as invalid, and fails nothing. Warnings: PrecisionWarning, origins are float32 and so far out that float32 does not
         hold them well.
         """
+        fields = _out.fields_with(out, fields)
         query = _query.describe(_query.RAYS, self.name, kind, fields, build, cull, updates.ids([under])[0],
                                 updates.ids(exclude), max_hits, at_least, revision, time_budget, allow_partial)
         caster = self._caster(query, timeout, warn_of_origins)
         if hasattr(rays, "__next__"):
+            _refuse_out(out)
             return self._cast_iterator(caster, map(as_rays, rays), progress, "rays")
         batch = as_rays(rays, origins, directions, tmin, tmax, masks)
+        columns = _out.columns_of(out, query, batch.shape)
         with reporter(progress, batch.count) as report:
-            return caster.cast(batch, report)
+            return caster.cast(batch, report, columns)
 
     def closest(self, points: Any, max_distance: Any = None, *, masks: Any = None, kind: str = "closest",
                 fields: Optional[Iterable[str]] = None, build: Optional[str] = None, under: AnyNode = 0,
@@ -79,7 +86,7 @@ class Queries:
                 revision: Optional[int] = None, timeout: Optional[float] = None,
                 progress: Union[bool, Callable[[int, Optional[int]], Any]] = False,
                 time_budget: Optional[float] = None, allow_partial: bool = False, side: str = "parity",
-                side_rays: int = 1) -> Any:
+                side_rays: int = 1, out: Optional[_out.Out] = None) -> Any:
         """The faces that are nearest to points.
 
         points: real (..., 3), with which max_distance and masks (...) are broadcast; float32 is sent as it is, all else
@@ -94,7 +101,8 @@ class Queries:
         says how many points have more. fields: of distance node primitive uv normal position hit work name, and of
         signed inside votes for closest; None: the first six for closest and all. Answers with node have names, also where
         these are not named; positions must be.
-        build, under, exclude, at_least, revision, timeout, progress, time_budget, allow_partial: as for cast().
+        build, under, exclude, at_least, revision, timeout, progress, time_budget, allow_partial, out: as for cast(); `inside`
+        as uint8: 0 outside, 1 inside, 2 invalid, 4 unanswered.
 
         side: what tells the inside, for signed, inside and votes: "parity" (a ray from the point crosses an odd number of
         faces: closed meshes), "winding" (it does not cross as many from behind as from the front: closed meshes that
@@ -107,18 +115,21 @@ class Queries:
         a max_distance that is NaN, or a point that is infinite, is answered as invalid, and fails nothing. Warnings:
         PrecisionWarning, points are float32 and so far out that float32 does not hold them well.
         """
+        fields = _out.fields_with(out, fields)
         query = _query.describe(_query.POINTS, self.name, kind, fields, build, None, updates.ids([under])[0],
                                 updates.ids(exclude), max_hits, at_least, revision, time_budget, allow_partial, side,
                                 side_rays)
         caster = self._caster(query, timeout, warn_of_points)
         if hasattr(points, "__next__"):
+            _refuse_out(out)
             batches = (as_points(part, max_distance, masks) for part in points)
             return self._cast_iterator(caster, batches, progress, "points")
         if isinstance(points, PointGrid):
             check_bounds(points, max_distance, masks)
         batch = points if isinstance(points, PointGrid) else as_points(points, max_distance, masks)
+        columns = _out.columns_of(out, query, batch.shape)
         with reporter(progress, batch.count, "points") as report:
-            return caster.cast(batch, report)
+            return caster.cast(batch, report, columns)
 
     def contains(self, points: Any, *, side: str = "parity", side_rays: int = 1, masks: Any = None,
                  build: Optional[str] = None, under: AnyNode = 0, exclude: Iterable[AnyNode] = (),
@@ -147,3 +158,7 @@ class Queries:
         with reporter(progress, None, unit) as report:
             yield from caster.cast_batches(batches, report)
 
+
+def _refuse_out(out: Optional[_out.Out]) -> None:
+    if out:
+        raise ValueError("an iterator has no out: each of its batches has an answer of its own")

@@ -18,14 +18,15 @@ client::Client connect(int port) {
 
 }  // namespace
 
-std::unique_ptr<server::Server> start_server(const std::string& location) {
+std::unique_ptr<server::Server> start_server(const std::string& location,
+                                             const std::string& listen) {
   // Never released: when its last user is destroyed, the library waits up to ten seconds for its
   // client's poller.
   static const bool library_held = (grpc_init(), true);
   static_cast<void>(library_held);
   spdlog::set_level(spdlog::level::err);
   server::ServerConfig config;
-  config.listen = "127.0.0.1:0";
+  config.listen = listen;
   config.threads = 2;
   config.drain = std::chrono::milliseconds(50);
   if (location.starts_with("postgresql:")) {

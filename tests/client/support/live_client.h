@@ -16,7 +16,8 @@ namespace sightline::tests {
 inline constexpr const char* kScene = "projects/default/scenes/test";
 
 /// Without a directory it keeps scenes in memory.
-std::unique_ptr<server::Server> start_server(const std::string& location = {});
+std::unique_ptr<server::Server> start_server(const std::string& location = {},
+                                             const std::string& listen = "127.0.0.1:0");
 
 class LiveClient : public testing::Test {
  protected:
