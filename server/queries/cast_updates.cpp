@@ -89,9 +89,8 @@ bool CastUpdates::are_few() const {
 }
 
 void CastUpdates::enqueue(Done done) {
-  job_.enqueue([done = std::move(done)](const Result<updates::AppliedAt>& applied) {
-    done(pin(applied));
-  });
+  job_.enqueue(
+      [done = std::move(done)](const Result<updates::AppliedAt>& applied) { done(pin(applied)); });
 }
 
 std::optional<CastUpdates::Outcome> CastUpdates::run(Done done) {

@@ -66,7 +66,7 @@ class CastUpdates {
  private:
   const v1::ApplyUpdatesRequest& updates_;
   updates::ApplyJob job_;
-  std::optional<Outcome> outcome_;    // of run()
+  std::optional<Outcome> outcome_;        // of run()
   std::atomic<bool> one_is_done_{false};  // run() has returned, or the outcome is known
 };
 
