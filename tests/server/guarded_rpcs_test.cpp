@@ -124,9 +124,8 @@ TEST_F(GuardedRpcs, OnlyAWriterCastsWithUpdates) {
   EXPECT_TRUE(call("QueryPoints", points.SerializeAsString(), kReader).ok());
   rays.mutable_apply();
   points.mutable_apply();
-  for (const auto& [method, request] :
-       {std::pair("CastRays", rays.SerializeAsString()),
-        std::pair("QueryPoints", points.SerializeAsString())}) {
+  for (const auto& [method, request] : {std::pair("CastRays", rays.SerializeAsString()),
+                                        std::pair("QueryPoints", points.SerializeAsString())}) {
     const grpc::Status refused = call(method, request, kReader);
     EXPECT_EQ(refused.error_code(), grpc::StatusCode::PERMISSION_DENIED) << method;
     EXPECT_EQ(reason_of(refused), "ROLE_MISSING") << method;

@@ -65,15 +65,15 @@ TEST_F(ApplyAndCast, TheRaysSeeWhatTheUpdatesMake) {
 TEST_F(ApplyAndCast, PointsAreMeasuredFromWhatTheUpdatesMake) {
   const std::vector<float> positions{0.75F, 0.5F, 5};
   std::vector<double> t(1);
-  const auto done = client_.apply_and_nearest(kScene, lift(2),
-                                              PointColumns<const float>{positions}, {.t = t});
+  const auto done =
+      client_.apply_and_nearest(kScene, lift(2), PointColumns<const float>{positions}, {.t = t});
   ASSERT_TRUE(done) << done.error().message;
   EXPECT_EQ(t[0], 2);
   EXPECT_EQ(done->applied.revision, 2U);
   EXPECT_EQ(done->cast.revision, 2U);
   const std::vector<double> doubles{0.75, 0.5, 5};
-  ASSERT_TRUE(client_.apply_and_nearest(kScene, lift(3), PointColumns<const double>{doubles},
-                                        {.t = t}));
+  ASSERT_TRUE(
+      client_.apply_and_nearest(kScene, lift(3), PointColumns<const double>{doubles}, {.t = t}));
   EXPECT_EQ(t[0], 1);
 }
 
@@ -83,8 +83,7 @@ TEST_F(ApplyAndCast, ErrorsAreThoseOfBoth) {
             "update 0: 2 nodes but 1 transforms");
   EXPECT_EQ(cast(client_, {PatchVertices{{2}, 0, std::vector<Vertex>(100'000)}}).error().code,
             Code::kResourceExhausted);
-  EXPECT_EQ(cast(client_, lift(1), {.kind = QueryKind::kAll}).error().code,
-            Code::kInvalidArgument);
+  EXPECT_EQ(cast(client_, lift(1), {.kind = QueryKind::kAll}).error().code, Code::kInvalidArgument);
   EXPECT_EQ(cast(client_, lift(1), {.consistency = {.exact_revision = 1}}).error().reason,
             "CONSISTENCY_WITH_UPDATES");
   EXPECT_EQ(cast(client_, lift(1), {}, {.expected_revision = 9}).error().code, Code::kAborted);

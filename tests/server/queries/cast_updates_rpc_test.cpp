@@ -114,8 +114,8 @@ TEST_F(CastUpdatesRpc, AnswersAsTwoCallsDo) {
   const auto rays = random_rays(600, 9);
   std::int64_t last = 1;
   for (const std::size_t count : {std::size_t{5}, server::queries::kSmallCast, rays.size()}) {
-    for (const auto kind : {v1::QUERY_KIND_CLOSEST, v1::QUERY_KIND_ANY, v1::QUERY_KIND_COUNT,
-                            v1::QUERY_KIND_ALL}) {
+    for (const auto kind :
+         {v1::QUERY_KIND_CLOSEST, v1::QUERY_KIND_ANY, v1::QUERY_KIND_COUNT, v1::QUERY_KIND_ALL}) {
       for (const auto build : {v1::BUILD_MODE_LAZY, v1::BUILD_MODE_FULL, v1::BUILD_MODE_NONE}) {
         v1::CastRaysRequest request = cast_request(kScene, std::span(rays).first(count));
         request.set_kind(kind);
@@ -154,8 +154,8 @@ TEST_F(CastUpdatesRpc, PointsSeeTheRevisionThatTheUpdatesMake) {
 TEST_F(CastUpdatesRpc, AllKindsOfUpdatesAreApplied) {
   const std::string mesh = api_.add_mesh(planar_sheet(1));
   const auto rays = cast_request(kScene, rays_downward(4));
-  EXPECT_EQ(first_t(api_.cast(with_updates(
-                rays, {patch({1}, 0, {{0, 0, 2}, {1, 0, 2}, {0, 1, 2}, {1, 1, 2}})}))),
+  EXPECT_EQ(first_t(api_.cast(
+                with_updates(rays, {patch({1}, 0, {{0, 0, 2}, {1, 0, 2}, {0, 1, 2}, {1, 1, 2}})}))),
             8);
   const v1::CastRaysResponse put =
       api_.cast(with_updates(rays, {put_node(-7, {}, 0, at_height(3)), put_node(-8, mesh, -7)}));
@@ -448,8 +448,7 @@ TEST(CastUpdatesDurably, ASceneThatWasNotReadYetTakesThem) {
     EXPECT_EQ(reply.applied().durability(), v1::DURABILITY_COMMITTED);
     EXPECT_EQ(reply.served().revision(), before + 1);
     for (int earlier = 0; earlier <= life; ++earlier) {
-      const v1::CastRaysResponse again =
-          api.cast(lifted(1, 1 + earlier, std::to_string(earlier)));
+      const v1::CastRaysResponse again = api.cast(lifted(1, 1 + earlier, std::to_string(earlier)));
       EXPECT_TRUE(again.applied().replayed());
       EXPECT_EQ(again.applied().revision().revision(), static_cast<std::uint64_t>(2 + earlier));
     }
@@ -469,7 +468,8 @@ TEST(CastUpdatesDurably, EachAnswerIsThatOfItsOwnRevision) {
       Api own(connect(server->port()));
       for (int i = 0; i < 40; ++i) {
         const double height = (1 + t * 40 + i) / 64.0;
-        const v1::CastRaysResponse reply = own.cast(lifted(1, height, "h" + std::to_string(height)));
+        const v1::CastRaysResponse reply =
+            own.cast(lifted(1, height, "h" + std::to_string(height)));
         EXPECT_EQ(first_t(reply), 10 - height);
         EXPECT_EQ(reply.applied().durability(), v1::DURABILITY_COMMITTED);
       }

@@ -198,8 +198,7 @@ TEST_F(ReplicaWrites, CastsWithUpdatesAreAnsweredAtTheirRevisionsWhoeverElseWrit
         const double rows[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, z};
         lift.mutable_set_transforms()->add_nodes(1);
         lift.mutable_set_transforms()->set_matrices(rows, sizeof(rows));
-        const auto request =
-            cast_with(std::to_string(number) + "/" + std::to_string(i), {lift});
+        const auto request = cast_with(std::to_string(number) + "/" + std::to_string(i), {lift});
         v1::CastRaysResponse reply;
         grpc::Status cast;
         do cast = api.cast(request, &reply);  // others may commit first, too often
