@@ -158,8 +158,8 @@ class CastCall final : public grpc::ServerUnaryReactor {
       if (Status opened = job_.open(request_); !opened) return opened;
       updates_.emplace(services_, context_, request_.scene(), request_.apply(),
                        *reply_.mutable_applied());
-      if (Status admitted = updates_->admit(); !admitted) return admitted;
       if (Status accepted = job_.accept(request_); !accepted) return accepted;
+      if (Status admitted = updates_->admit(); !admitted) return admitted;
       if (job_.scene()->loaded() && updates_->are_few()) {
         services_.compute.enqueue_small(exec::flow_of(job_.caller(), request_.scene()),
                                         [this] { return apply_and_cast(); });

@@ -70,7 +70,7 @@ TEST_F(CastFilter, UpdatesOfAFileComeFirst) {
   EXPECT_NE(run_program({"cast", "square", "--in", dir_.path("nowhere.csv"), "--apply", ops}).exit,
             0);
   EXPECT_EQ(
-      nlohmann::json::parse(run_program({"scene", "info", "square", "--json"}).out)["revision"], 2);
+      nlohmann::json::parse(run_program({"scene", "show", "square", "--json"}).out)["revision"], 2);
 }
 
 TEST_F(CastFilter, WithoutRaysThereIsALineOfNames) {
