@@ -175,7 +175,7 @@ TEST_F(CastUpdatesRpc, ManyUpdatesAreAppliedToo) {
       api_.cast(with_updates(cast_request(kScene, rays_downward(20)), updates));
   EXPECT_EQ(first_t(reply), 8);
   EXPECT_EQ(reply.applied().nodes_size(), 3000);
-  updates.assign(65537, lift(1, 1));
+  updates.assign(65537, v1::Update());
   expect_refused(with_updates(cast_request(kScene, rays_downward(1)), updates),
                  grpc::StatusCode::RESOURCE_EXHAUSTED, "TOO_MANY_UPDATES");
 }
