@@ -39,7 +39,7 @@ class CastUpdates {
   using Done = std::function<void(Outcome)>;
 
   /// `scene`: its name. All arguments outlive this.
-  CastUpdates(const scenes::Services& services, const grpc::CallbackServerContext& context,
+  CastUpdates(const scenes::Services& services, grpc::CallbackServerContext& context,
               const std::string& scene, const v1::ApplyUpdatesRequest& updates,
               v1::ApplyUpdatesResponse& reply)
       : updates_(updates), job_(services, context, scene, updates, reply) {}

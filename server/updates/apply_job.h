@@ -45,7 +45,7 @@ class ApplyJob {
   using Done = std::function<void(const Result<AppliedAt>&)>;
 
   /// `scene`: its name; what the request says of it is not looked at. All arguments outlive this.
-  ApplyJob(const scenes::Services& services, const grpc::CallbackServerContext& context,
+  ApplyJob(const scenes::Services& services, grpc::CallbackServerContext& context,
            const std::string& scene, const v1::ApplyUpdatesRequest& request,
            v1::ApplyUpdatesResponse& reply)
       : services_(services),
