@@ -53,6 +53,14 @@ struct ClientOptions {
   bool use_segments = true;
 };
 
+/// What updates, and rays or points that were cast after them, came to.
+struct AppliedCast {
+  Applied applied;
+  /// At the revision that the updates made; at a newer one only if they were `replayed`, and that
+  /// revision is not kept any more.
+  CastReport cast;
+};
+
 /// Scenes are named projects/{project}/scenes/{scene}. Errors have the server's code, message and
 /// reason, or kUnavailable if the server cannot be reached. Calls that only read are retried before
 /// they fail with kUnavailable. Threads: any, for every member.
@@ -210,6 +218,21 @@ class Client {
   Result<CastReport> cast(const std::string& scene, const RayColumns<const float>& rays,
                           const HitColumns& hits, const CastOptions& options = {}) const;
 
+  /// Applies updates as apply() does, and then casts rays as cast() does, in one call at the
+  /// revision that they make. Sent several times, the updates are applied once. If the request is
+  /// refused, nothing was applied; after any other error they may be, and the same call with the
+  /// same ApplyOptions::request_id tells. `options.root` and `exclude` are ids, which may be of
+  /// nodes that the updates put or delete. Errors: as apply() and cast(); kInvalidArgument for a
+  /// consistency; kUnimplemented, the server is of an earlier version, and nothing was applied.
+  Result<AppliedCast> apply_and_cast(const std::string& scene, std::span<const Update> updates,
+                                     const RayColumns<const double>& rays, const HitColumns& hits,
+                                     const CastOptions& options = {},
+                                     const ApplyOptions& apply_options = {}) const;
+  Result<AppliedCast> apply_and_cast(const std::string& scene, std::span<const Update> updates,
+                                     const RayColumns<const float>& rays, const HitColumns& hits,
+                                     const CastOptions& options = {},
+                                     const ApplyOptions& apply_options = {}) const;
+
   /// Casts any number of rays over one stream, all at one revision, and writes the answers to
   /// `hits`. A message has kRaysPerMessage rays, more through shared memory, and kMessagesInFlight
   /// messages are sent before the first is answered. After an error the rows of `hits` are partly
@@ -253,6 +276,16 @@ class Client {
                              const HitColumns& hits, const CastOptions& options = {}) const;
   Result<CastReport> nearest(const std::string& scene, const PointColumns<const float>& points,
                              const HitColumns& hits, const CastOptions& options = {}) const;
+
+  /// As apply_and_cast(), with nearest() in the place of cast().
+  Result<AppliedCast> apply_and_nearest(const std::string& scene, std::span<const Update> updates,
+                                        const PointColumns<const double>& points,
+                                        const HitColumns& hits, const CastOptions& options = {},
+                                        const ApplyOptions& apply_options = {}) const;
+  Result<AppliedCast> apply_and_nearest(const std::string& scene, std::span<const Update> updates,
+                                        const PointColumns<const float>& points,
+                                        const HitColumns& hits, const CastOptions& options = {},
+                                        const ApplyOptions& apply_options = {}) const;
 
   /// As nearest(), for any number of points, over one stream as that of cast_stream().
   Result<CastReport> nearest_stream(const std::string& scene,

@@ -13,6 +13,21 @@ Result<CastReport> Client::cast(const std::string& scene, const RayColumns<const
   return calls::cast(*connection_, scene, rays, hits, options);
 }
 
+Result<AppliedCast> Client::apply_and_cast(const std::string& scene,
+                                           std::span<const Update> updates,
+                                           const RayColumns<const double>& rays,
+                                           const HitColumns& hits, const CastOptions& options,
+                                           const ApplyOptions& apply_options) const {
+  return calls::apply_and_cast(*connection_, scene, updates, rays, hits, options, apply_options);
+}
+Result<AppliedCast> Client::apply_and_cast(const std::string& scene,
+                                           std::span<const Update> updates,
+                                           const RayColumns<const float>& rays,
+                                           const HitColumns& hits, const CastOptions& options,
+                                           const ApplyOptions& apply_options) const {
+  return calls::apply_and_cast(*connection_, scene, updates, rays, hits, options, apply_options);
+}
+
 Result<CastReport> Client::cast_stream(const std::string& scene,
                                        const RayColumns<const double>& rays, const HitColumns& hits,
                                        const CastOptions& options) const {
@@ -62,6 +77,21 @@ Result<CastReport> Client::nearest(const std::string& scene,
                                    const PointColumns<const float>& points, const HitColumns& hits,
                                    const CastOptions& options) const {
   return calls::cast(*connection_, scene, points, hits, options);
+}
+
+Result<AppliedCast> Client::apply_and_nearest(const std::string& scene,
+                                              std::span<const Update> updates,
+                                              const PointColumns<const double>& points,
+                                              const HitColumns& hits, const CastOptions& options,
+                                              const ApplyOptions& apply_options) const {
+  return calls::apply_and_cast(*connection_, scene, updates, points, hits, options, apply_options);
+}
+Result<AppliedCast> Client::apply_and_nearest(const std::string& scene,
+                                              std::span<const Update> updates,
+                                              const PointColumns<const float>& points,
+                                              const HitColumns& hits, const CastOptions& options,
+                                              const ApplyOptions& apply_options) const {
+  return calls::apply_and_cast(*connection_, scene, updates, points, hits, options, apply_options);
 }
 
 Result<CastReport> Client::nearest_stream(const std::string& scene,

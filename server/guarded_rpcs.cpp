@@ -34,7 +34,8 @@ std::optional<exec::Refusal> Guard::refuse(grpc::CallbackServerContext* context,
 grpc::ServerUnaryReactor* GuardedQueries::CastRays(grpc::CallbackServerContext* context,
                                                    const v1::CastRaysRequest* request,
                                                    v1::CastRaysResponse* reply) {
-  if (const auto refusal = guard_.refuse(context, Role::kRead, request->scene())) return *refusal;
+  const Role role = request->has_apply() ? Role::kWrite : Role::kRead;
+  if (const auto refusal = guard_.refuse(context, role, request->scene())) return *refusal;
   return RayQueryRpc::CastRays(context, request, reply);
 }
 
@@ -47,7 +48,8 @@ GuardedQueries::StreamCastRays(grpc::CallbackServerContext* context) {
 grpc::ServerUnaryReactor* GuardedQueries::QueryPoints(grpc::CallbackServerContext* context,
                                                       const v1::QueryPointsRequest* request,
                                                       v1::QueryPointsResponse* reply) {
-  if (const auto refusal = guard_.refuse(context, Role::kRead, request->scene())) return *refusal;
+  const Role role = request->has_apply() ? Role::kWrite : Role::kRead;
+  if (const auto refusal = guard_.refuse(context, role, request->scene())) return *refusal;
   return RayQueryRpc::QueryPoints(context, request, reply);
 }
 

@@ -37,6 +37,7 @@ class GuardedQueries final : public queries::RayQueryRpc {
   explicit GuardedQueries(const Guard& guard, Arguments&&... arguments)
       : RayQueryRpc(std::forward<Arguments>(arguments)...), guard_(guard) {}
 
+  /// With updates, this and QueryPoints need a writer.
   grpc::ServerUnaryReactor* CastRays(grpc::CallbackServerContext* context,
                                      const v1::CastRaysRequest* request,
                                      v1::CastRaysResponse* reply) override;

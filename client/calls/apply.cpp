@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <thread>
 #include <utility>
 
 #include "client/calls/connection.h"
@@ -52,8 +51,6 @@ class Packer {
   std::size_t total_ = 0;
 };
 
-constexpr int kApplyAttempts = 4;
-
 Result<Applied> send_once(const Connection& connection, const v1::ApplyUpdatesRequest& request) {
   const auto deadline = deadline_after(connection.small_timeout());
   Retries retries(deadline);
@@ -66,20 +63,11 @@ Result<Applied> send_once(const Connection& connection, const v1::ApplyUpdatesRe
     if (status.ok()) break;
     if (!retries.wait(status, {})) return rpc_error(status);
   }
-  return Applied{response.revision().revision(),
-                 {response.nodes().begin(), response.nodes().end()},
-                 response.revision().token(),
-                 response.replayed()};
+  return decode(response);
 }
 
-// Sends a request, which is safe to repeat: each has an id, and the server applies an id once.
 Result<Applied> send(const Connection& connection, const v1::ApplyUpdatesRequest& request) {
-  Backoff backoff(kApplyAttempts);
-  while (true) {
-    auto applied = send_once(connection, request);
-    if (applied || !is_broken_connection(applied.error().code) || !backoff.again()) return applied;
-    std::this_thread::sleep_for(backoff.pause());
-  }
+  return send_until_answered([&] { return send_once(connection, request); });
 }
 
 // Fills messages with updates and sends them as they get full.
@@ -163,11 +151,10 @@ void set_sequence(std::uint64_t sequence, std::vector<v1::StreamUpdatesRequest>&
   }
 }
 
-Result<Applied> apply(const Connection& connection, const std::string& scene,
-                      std::span<const Update> updates, const ApplyOptions& options) {
+Result<v1::ApplyUpdatesRequest> encode_batch(std::span<const Update> updates,
+                                             const ApplyOptions& options) {
   if (const Status checked = wire::check(updates); !checked) return checked.error();
   v1::ApplyUpdatesRequest request;
-  request.set_scene(scene);
   request.set_request_id(options.request_id.empty() ? random_request_id() : options.request_id);
   if (options.expected_revision) request.set_expected_revision(*options.expected_revision);
   for (const Update& update : updates) *request.add_updates() = wire::encode(update);
@@ -177,7 +164,22 @@ Result<Applied> apply(const Connection& connection, const std::string& scene,
                              updates.size(), bytes, kMaxMessageBytes),
                  {}};
   }
-  return send(connection, request);
+  return request;
+}
+
+Applied decode(const v1::ApplyUpdatesResponse& response) {
+  return Applied{response.revision().revision(),
+                 {response.nodes().begin(), response.nodes().end()},
+                 response.revision().token(),
+                 response.replayed()};
+}
+
+Result<Applied> apply(const Connection& connection, const std::string& scene,
+                      std::span<const Update> updates, const ApplyOptions& options) {
+  auto request = encode_batch(updates, options);
+  if (!request) return request.error();
+  request->set_scene(scene);
+  return send(connection, *request);
 }
 
 Result<Applied> apply_in_batches(const Connection& connection, const std::string& scene,

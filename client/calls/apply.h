@@ -4,9 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
+#include "client/calls/connection.h"
 #include "client/result.h"
 #include "client/update.h"
 #include "sightline/v1/scene.pb.h"
@@ -26,7 +28,24 @@ Result<std::vector<v1::StreamUpdatesRequest>> pack_batch(std::span<const Update>
 
 void set_sequence(std::uint64_t sequence, std::vector<v1::StreamUpdatesRequest>& messages);
 
-struct Connection;
+/// A request for one message of updates, with an id and without a scene. Errors: kInvalidArgument,
+/// as of check(); kResourceExhausted if the updates do not fit one message.
+Result<v1::ApplyUpdatesRequest> encode_batch(std::span<const Update> updates,
+                                             const ApplyOptions& options);
+Applied decode(const v1::ApplyUpdatesResponse& response);
+
+/// Makes the same call, send(), again if the connection breaks. Its request has an id, so that the
+/// server applies it once.
+template <class Send>
+auto send_until_answered(const Send& send, const std::stop_token& stop = {}) {
+  constexpr int kAttempts = 4;
+  Backoff backoff(kAttempts);
+  while (true) {
+    auto answer = send();
+    if (answer || !is_broken_connection(answer.error().code) || !backoff.again()) return answer;
+    sleep_unless_stopped(backoff.pause(), stop);  // if stopped, the next call says so
+  }
+}
 
 Result<Applied> apply(const Connection& connection, const std::string& scene,
                       std::span<const Update> updates, const ApplyOptions& options);

@@ -2,8 +2,12 @@
 #include "client/calls/cast.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
+#include <optional>
+#include <utility>
 
+#include "client/calls/apply.h"
 #include "client/calls/cast_stream.h"
 #include "client/calls/columns.h"
 #include "client/calls/connection.h"
@@ -29,43 +33,95 @@ void set_rows(const PointColumns<const Scalar>& points, v1::QueryPointsRequest& 
   copy_part(points, 0, wire::resize_columns<Scalar>(points.size(), shape_of(points), out));
 }
 
-}  // namespace
-
 template <class Columns>
-Result<CastReport> cast(const Connection& connection, const std::string& scene, const Columns& rows,
-                        const HitColumns& hits, const CastOptions& options) {
-  using Calls = CallsOf<RequestOf<Columns>>;
-  if (const Status checked = check_kind(options.kind); !checked) return checked.error();
-  if (const Status checked = check_rows(rows, hits); !checked) return checked.error();
-  const HitFields fields = fields_of(hits);
-  if (rows.size() == 0 && has_sides(options))
-    return cast(connection, scene, rows, hits, without_sides(options));
-  if (const Status checked = Calls::check(options, fields); !checked) return checked.error();
-  const auto deadline = deadline_after(connection.timeout);
-  if (auto report = cast_in_segment(connection, scene, rows, hits, options, deadline))
-    return *std::move(report);
-  RequestOf<Columns> request;
-  wire::describe(scene, fields, options, request);
-  set_rows(rows, request);
+Status check(const Columns& rows, const HitColumns& hits, const CastOptions& options) {
+  if (const Status checked = check_kind(options.kind); !checked) return checked;
+  if (const Status checked = check_rows(rows, hits); !checked) return checked;
+  if (rows.size() == 0 && has_sides(options)) return check(rows, hits, without_sides(options));
+  return CallsOf<RequestOf<Columns>>::check(options, fields_of(hits));
+}
 
+/// The request of a batch that was checked.
+template <class Columns>
+RequestOf<Columns> make_request(const std::string& scene, const Columns& rows,
+                                const HitColumns& hits, const CastOptions& options) {
+  RequestOf<Columns> request;
+  wire::describe(scene, fields_of(hits), rows.size() == 0 ? without_sides(options) : options,
+                 request);
+  set_rows(rows, request);
+  return request;
+}
+
+// Makes the call, again while the server refuses it for now.
+template <class Request>
+Result<typename CallsOf<Request>::Response> send(
+    const Connection& connection, const Request& request, const CastOptions& options,
+    std::optional<std::chrono::system_clock::time_point> deadline) {
   Retries retries(deadline);
-  typename Calls::Response response;
+  typename CallsOf<Request>::Response response;
   while (true) {
     grpc::ClientContext context;
     if (deadline) context.set_deadline(*deadline);
-    set_route(context, scene, options.route_key);
+    set_route(context, request.scene(), options.route_key);
     const std::stop_callback cancel(options.stop, [&] { context.TryCancel(); });
-    const grpc::Status status = Calls::call(*connection.queries, context, request, response);
-    if (status.ok()) break;
+    const grpc::Status status =
+        CallsOf<Request>::call(*connection.queries, context, request, response);
+    if (status.ok()) return response;
     if (!retries.wait(status, options.stop)) return rpc_error(status);
   }
-  const auto answers = wire::view_hits(response, fields, rows.size());
+}
+
+// Copies the answers to `count` rows.
+template <class Response>
+Result<CastReport> take(const Response& response, std::size_t count, const HitColumns& hits) {
+  const auto answers = wire::view_hits(response, fields_of(hits), count);
   if (!answers) return answers.error();
   std::fill(hits.unanswered.begin(), hits.unanswered.end(), std::uint8_t{0});
   copy_hits(*answers, 0, hits);
   CastReport report;
   wire::add_stats(response, report);
   return report;
+}
+
+}  // namespace
+
+template <class Columns>
+Result<CastReport> cast(const Connection& connection, const std::string& scene, const Columns& rows,
+                        const HitColumns& hits, const CastOptions& options) {
+  if (const Status checked = check(rows, hits, options); !checked) return checked.error();
+  const auto deadline = deadline_after(connection.timeout);
+  if (auto report = cast_in_segment(connection, scene, rows, hits, options, deadline))
+    return *std::move(report);
+  const auto response =
+      send(connection, make_request(scene, rows, hits, options), options, deadline);
+  if (!response) return response.error();
+  return take(*response, rows.size(), hits);
+}
+
+template <class Columns>
+Result<AppliedCast> apply_and_cast(const Connection& connection, const std::string& scene,
+                                   std::span<const Update> updates, const Columns& rows,
+                                   const HitColumns& hits, const CastOptions& options,
+                                   const ApplyOptions& apply_options) {
+  auto batch = encode_batch(updates, apply_options);
+  if (!batch) return batch.error();
+  if (const Status checked = check(rows, hits, options); !checked) return checked.error();
+  auto request = make_request(scene, rows, hits, options);
+  *request.mutable_apply() = *std::move(batch);
+  const auto deadline = deadline_after(connection.timeout);
+  const auto response = send_until_answered(
+      [&] { return send(connection, request, options, deadline); }, options.stop);
+  if (!response) return response.error();
+  // A server that does not know the updates casts without them.
+  if (!response->has_applied()) {
+    return Error{Code::kUnimplemented,
+                 "the server is of a version that applies no updates with a cast, and has applied "
+                 "none",
+                 {}};
+  }
+  const auto report = take(*response, rows.size(), hits);
+  if (!report) return report.error();
+  return AppliedCast{decode(response->applied()), *report};
 }
 
 template <class Columns>
@@ -143,6 +199,23 @@ template Result<CastReport> cast(const Connection&, const std::string&,
 template Result<CastReport> cast(const Connection&, const std::string&,
                                  const PointColumns<const double>&, const HitColumns&,
                                  const CastOptions&);
+
+template Result<AppliedCast> apply_and_cast(const Connection&, const std::string&,
+                                            std::span<const Update>, const RayColumns<const float>&,
+                                            const HitColumns&, const CastOptions&,
+                                            const ApplyOptions&);
+template Result<AppliedCast> apply_and_cast(const Connection&, const std::string&,
+                                            std::span<const Update>,
+                                            const RayColumns<const double>&, const HitColumns&,
+                                            const CastOptions&, const ApplyOptions&);
+template Result<AppliedCast> apply_and_cast(const Connection&, const std::string&,
+                                            std::span<const Update>,
+                                            const PointColumns<const float>&, const HitColumns&,
+                                            const CastOptions&, const ApplyOptions&);
+template Result<AppliedCast> apply_and_cast(const Connection&, const std::string&,
+                                            std::span<const Update>,
+                                            const PointColumns<const double>&, const HitColumns&,
+                                            const CastOptions&, const ApplyOptions&);
 
 template Result<CastReport> cast_source(const Connection&, const std::string&,
                                         const RaySource<float>&, RayShape, HitFields,

@@ -2,12 +2,15 @@
 // the library.
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "client/cast_options.h"
+#include "client/client.h"
 #include "client/points.h"
 #include "client/ray_generator.h"
 #include "client/result.h"
+#include "client/update.h"
 
 namespace sightline::client::calls {
 
@@ -18,6 +21,11 @@ struct Connection;
 template <class Columns>
 Result<CastReport> cast(const Connection& connection, const std::string& scene, const Columns& rows,
                         const HitColumns& hits, const CastOptions& options);
+template <class Columns>
+Result<AppliedCast> apply_and_cast(const Connection& connection, const std::string& scene,
+                                   std::span<const Update> updates, const Columns& rows,
+                                   const HitColumns& hits, const CastOptions& options,
+                                   const ApplyOptions& apply_options);
 template <class Columns>
 Result<CastReport> cast_source(const Connection& connection, const std::string& scene,
                                const RowSource<Columns>& source, typename Columns::Shape shape,

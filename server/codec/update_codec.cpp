@@ -206,19 +206,19 @@ Result<std::vector<scenegraph::model::Update>> decode_all(
   return decoded;
 }
 
-Status check_count(std::size_t count) {
+}  // namespace
+
+Status check_update_count(std::size_t count) {
   if (count <= static_cast<std::size_t>(kMaxUpdatesPerBatch)) return {};
   return Error{Code::kResourceExhausted,
                fmt::format("the batch has {} updates, the limit is {}", count, kMaxUpdatesPerBatch),
                "TOO_MANY_UPDATES"};
 }
 
-}  // namespace
-
 Result<std::vector<scenegraph::model::Update>> decode_updates(
     const google::protobuf::RepeatedPtrField<v1::Update>& updates, blobs::BlobStore& blobs,
     std::size_t first) {
-  const Status fits = check_count(first + static_cast<std::size_t>(updates.size()));
+  const Status fits = check_update_count(first + static_cast<std::size_t>(updates.size()));
   if (!fits) return fits.error();
   return decode_all(updates, blobs, first);
 }
@@ -226,7 +226,7 @@ Result<std::vector<scenegraph::model::Update>> decode_updates(
 Result<std::vector<scenegraph::model::Update>> decode_nodes(
     const google::protobuf::RepeatedPtrField<v1::PutNode>& nodes, blobs::BlobStore& blobs,
     std::size_t first) {
-  const Status fits = check_count(static_cast<std::size_t>(nodes.size()));
+  const Status fits = check_update_count(static_cast<std::size_t>(nodes.size()));
   if (!fits) return fits.error();
   return decode_all(nodes, blobs, first);
 }

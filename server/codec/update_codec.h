@@ -16,6 +16,9 @@ namespace sightline::server::codec {
 inline constexpr int kMaxUpdatesPerBatch = 65536;
 inline constexpr int kMaxNodesPerPatch = 65536;
 
+/// Errors: kResourceExhausted over kMaxUpdatesPerBatch.
+Status check_update_count(std::size_t count);
+
 /// Decodes updates and finds every mesh by its digest. `first` is the index of the first update in
 /// its batch. Errors name the update's index in the batch: kInvalidArgument (an empty update, a
 /// matrix without 12 numbers, columns of different lengths, an unknown mobility, a bad digest, too

@@ -65,6 +65,18 @@ void Strand::post(Compute& compute, std::function<void()> task) {
   run_next(compute, std::move(state));
 }
 
+void Strand::run_or_post(Compute& compute, std::function<void()> task) {
+  auto state = state_;  // the task may destroy this strand
+  {
+    const std::lock_guard lock(state->mutex);
+    if (state->running) return state->tasks.push_back(std::move(task));
+    state->running = true;
+  }
+  task();
+  task = nullptr;
+  end_turn(compute, std::move(state));
+}
+
 void Strand::run_next(Compute& compute, std::shared_ptr<State> state) {
   const FlowKey& key = state->key;
   compute.enqueue_update(key, [&compute, state = std::move(state)]() mutable {
@@ -76,13 +88,18 @@ void Strand::run_next(Compute& compute, std::shared_ptr<State> state) {
     }
     task();
     task = nullptr;
-    {
-      const std::lock_guard lock(state->mutex);
-      state->running = !state->tasks.empty();
-      if (!state->running) return;
-    }
-    run_next(compute, std::move(state));
+    end_turn(compute, std::move(state));
   });
+}
+
+/// Goes on with what was posted meanwhile.
+void Strand::end_turn(Compute& compute, std::shared_ptr<State> state) {
+  {
+    const std::lock_guard lock(state->mutex);
+    state->running = !state->tasks.empty();
+    if (!state->running) return;
+  }
+  run_next(compute, std::move(state));
 }
 
 }  // namespace sightline::server::exec

@@ -127,6 +127,10 @@ class Strand {
   /// Runs task() after all tasks posted before. It must not throw. Threads: any.
   void post(Compute& compute, std::function<void()> task);
 
+  /// Call it on a worker. Runs task() in the calling thread, before it returns, if no other task
+  /// runs or waits; else does as post().
+  void run_or_post(Compute& compute, std::function<void()> task);
+
  private:
   struct State {
     explicit State(FlowKey k) : key(std::move(k)) {}
@@ -137,6 +141,7 @@ class Strand {
     bool running = false;
   };
   static void run_next(Compute& compute, std::shared_ptr<State> state);
+  static void end_turn(Compute& compute, std::shared_ptr<State> state);
 
   const std::shared_ptr<State> state_;
 };

@@ -36,6 +36,12 @@ class MessagePool final : public grpc::MessageAllocator<Request, Reply> {
     }
     void Release() override { pool_.take_back(std::unique_ptr<Messages>(this)); }
     void FreeRequest() override { request_.reset(); }
+    /// Frees updates of the request: they may be thousands of messages of their own.
+    void free_updates() {
+      if constexpr (requires { request_->clear_apply(); }) {
+        if (request_) request_->clear_apply();
+      }
+    }
     /// Whether the request is not freed.
     bool is_whole() const { return request_.has_value(); }
     std::size_t bytes() const { return request_->SpaceUsedLong() + reply_.SpaceUsedLong(); }
@@ -47,6 +53,7 @@ class MessagePool final : public grpc::MessageAllocator<Request, Reply> {
   };
 
   void take_back(std::unique_ptr<Messages> messages) {
+    messages->free_updates();
     if (!messages->is_whole() || messages->bytes() > kMaxPooledBytes) return;
     const std::lock_guard lock(mutex_);
     if (pooled_.size() < kMaxPooled) pooled_.push_back(std::move(messages));

@@ -113,6 +113,12 @@ BatchRays::Bounds CastJob::bounds_of(const Request& request) const {
 template BatchRays::Bounds CastJob::bounds_of(const v1::CastRaysRequest& request) const;
 template BatchRays::Bounds CastJob::bounds_of(const v1::QueryPointsRequest& request) const;
 
+void CastJob::pin(std::shared_ptr<scenes::StoredScene> scene,
+                  std::shared_ptr<const scenegraph::revision::Snapshot> snapshot) {
+  scene_ = std::move(scene);
+  pin(std::move(snapshot));
+}
+
 void CastJob::begin_batch(std::uint32_t budget_ms) {
   arrived_ = Clock::now();
   batch_time_ = {};
@@ -147,14 +153,28 @@ void CastJob::enqueue(v1::CastRaysResponse& reply, const Done& done) {
       push_sharded(reply, done);
     } else if (is_immediate() && answer_at_once(reply)) {
       answered = true;
-    } else if (begun_ || query_.growth != scenegraph::Growth::kFull || snapshot_->is_complete()) {
-      push_cast(reply, done);
-    } else {
+    } else if (builds_first()) {
       push_build(reply, done);
+    } else {
+      push_cast(reply, done);
     }
     return Status();
   });
   if (!pushed || answered) end(pushed, done);
+}
+
+bool CastJob::run_slice_here(v1::CastRaysResponse& reply, const Done& done) {
+  if (is_sharded() || builds_first() || batch_.size() > kSmallCast) {
+    enqueue(reply, done);
+    return false;
+  }
+  if (!begun_) waiting_since_ = Clock::now();
+  return cast_slice(reply, done);
+}
+
+/// Whether the batch begins with a full build.
+bool CastJob::builds_first() const {
+  return !begun_ && query_.growth == scenegraph::Growth::kFull && !snapshot_->is_complete();
 }
 
 /// Whether a few rays may be answered in the thread that asks: it must neither build nor wait.
@@ -226,17 +246,20 @@ void CastJob::push_build(v1::CastRaysResponse& reply, const Done& done) {
 }
 
 void CastJob::push_cast(v1::CastRaysResponse& reply, const Done& done) {
-  push([this, &reply, done] {
-    Progress progress = Progress::kDone;
-    const Status ran = exec::to_status([&] { return run_slice(reply, progress); });
-    if (ran && progress == Progress::kMore) return true;
-    if (ran && reply.more()) {
-      done(ran);
-    } else {
-      end(ran, done);
-    }
-    return false;
-  });
+  push([this, &reply, done] { return cast_slice(reply, done); });
+}
+
+/// Returns whether the reply needs more slices; if not, this may be gone.
+bool CastJob::cast_slice(v1::CastRaysResponse& reply, const Done& done) {
+  Progress progress = Progress::kDone;
+  const Status ran = exec::to_status([&] { return run_slice(reply, progress); });
+  if (ran && progress == Progress::kMore) return true;
+  if (ran && reply.more()) {
+    done(ran);
+  } else {
+    end(ran, done);
+  }
+  return false;
 }
 
 void CastJob::push(exec::Slice slice) {
@@ -250,10 +273,14 @@ void CastJob::push(exec::Slice slice) {
 /// The admission is given back before the last reply is written: a client that is slow to read must
 /// not hold up the others. `done` may delete this.
 void CastJob::end(const Status& status, const Done& done) {
+  drop_batch();
+  done(status);
+}
+
+void CastJob::drop_batch() {
   admission_.release();
   segment_.reset();
   alarm_ = {};
-  done(status);
 }
 
 Status CastJob::build() {

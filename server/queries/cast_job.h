@@ -67,6 +67,9 @@ class CastJob {
 
   /// Sets the revision that answers every batch. Call it after open().
   void pin(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot);
+  /// As pin(), to a revision of another scene in the place of the one that open() has found.
+  void pin(std::shared_ptr<scenes::StoredScene> scene,
+           std::shared_ptr<const scenegraph::revision::Snapshot> snapshot);
 
   /// Admits the rays of the request, which must not change until the batch's last reply is made.
   /// Errors: as BatchRays::begin, SegmentAnswer::begin, segments::Segments::find and
@@ -95,6 +98,12 @@ class CastJob {
   /// shards::ShardedCast::take.
   using Done = std::function<void(const Status&)>;
   void enqueue(v1::CastRaysResponse& reply, const Done& done);
+  /// As enqueue(), in a slice of a job on a worker for small casts: what enqueue() would give to
+  /// such a worker is done in the calling thread. Returns whether the job has more, and this must
+  /// be called again; if not, this may be gone.
+  bool run_slice_here(v1::CastRaysResponse& reply, const Done& done);
+  /// Ends a batch that was accepted and is not to be answered.
+  void drop_batch();
 
   /// Makes enqueue() end soon, with an error. Threads: any, at any time.
   void cancel() {
@@ -144,6 +153,8 @@ class CastJob {
   void write_sharded_sides(const accel::geometry::HitColumns& hits, v1::CastRaysResponse& reply);
   Status write_sharded_lists(v1::CastRaysResponse& reply);
   void push(exec::Slice slice);
+  bool builds_first() const;
+  bool cast_slice(v1::CastRaysResponse& reply, const Done& done);
   bool is_immediate() const;
   bool answer_at_once(v1::CastRaysResponse& reply);
   void push_build(v1::CastRaysResponse& reply, const Done& done);

@@ -16,6 +16,7 @@
 #include "server/exec/malformed.h"
 #include "server/exec/rpc_status.h"
 #include "server/queries/cast_job.h"
+#include "server/queries/cast_updates.h"
 #include "server/queries/prefetch_rpc.h"
 #include "server/queries/segment_rpc.h"
 #include "server/scenes/revision_pins.h"
@@ -99,7 +100,8 @@ class CastCall final : public grpc::ServerUnaryReactor {
  public:
   CastCall(const scenes::Services& services, grpc::CallbackServerContext& context,
            const typename Messages::Request& request, typename Messages::Reply& reply)
-      : context_(context),
+      : services_(services),
+        context_(context),
         unread_(services.unread),
         metrics_(services.metrics),
         slow_(services.slow_query),
@@ -110,6 +112,8 @@ class CastCall final : public grpc::ServerUnaryReactor {
         reply_(reply) {}
 
   void start() {
+    reply_.clear_applied();  // a reply before may have left it
+    if (request_.has_apply()) return start_with_updates();
     if (const Status opened = exec::to_status([&] { return job_.open(request_); }); !opened)
       return end(opened);
     wait_->read(job_.scene(), request_.consistency(), context_.deadline(), request_.ByteSizeLong(),
@@ -126,6 +130,7 @@ class CastCall final : public grpc::ServerUnaryReactor {
   void OnCancel() override {
     job_.cancel();
     wait_->cancel();
+    if (updates_) updates_->cancel();
   }
   void OnDone() override { delete this; }
 
@@ -133,12 +138,70 @@ class CastCall final : public grpc::ServerUnaryReactor {
   void cast() {
     if (const Status accepted = exec::to_status([&] { return job_.accept(request_); }); !accepted)
       return end(accepted);
-    job_.enqueue(made_.begin(reply_), [this](const Status& done) {
-      log_if_slow(Messages::kCall, context_, job_, slow_);
-      job_.close();
-      made_.end(reply_);
-      end(done);
+    answer();
+  }
+
+  void answer() {
+    job_.enqueue(made_.begin(reply_), [this](const Status& done) { answered(done); });
+  }
+
+  void answered(const Status& status) {
+    log_if_slow(Messages::kCall, context_, job_, slow_);
+    job_.close();
+    made_.end(reply_);
+    end(status);
+  }
+
+  /// Whatever of the rays can be refused is refused before anything is applied.
+  void start_with_updates() {
+    const Status ready = exec::to_status([this] {
+      if (Status good = check_updates(request_); !good) return good;
+      if (Status opened = job_.open(request_); !opened) return opened;
+      updates_.emplace(services_, context_, request_.scene(), request_.apply(),
+                       *reply_.mutable_applied());
+      if (Status accepted = job_.accept(request_); !accepted) return accepted;
+      if (Status admitted = updates_->admit(); !admitted) return admitted;
+      if (job_.scene()->loaded() && updates_->are_few()) {
+        services_.compute.enqueue_small(exec::flow_of(job_.caller(), request_.scene()),
+                                        [this] { return apply_and_cast(); });
+      } else {
+        updates_->enqueue([this](CastUpdates::Outcome applied) {
+          if (pin(std::move(applied))) answer();
+        });
+      }
+      return Status();
     });
+    if (!ready) end_without_cast(ready);
+  }
+
+  /// The slices of a job on a worker for small casts: the updates have one, then the rays. Returns
+  /// whether there are more; if not, this may be gone.
+  bool apply_and_cast() {
+    if (making_ == nullptr) {
+      auto applied = updates_->run([this](CastUpdates::Outcome later) {
+        if (pin(std::move(later))) answer();
+      });
+      if (!applied || !pin(*std::move(applied))) return false;
+      making_ = &made_.begin(reply_);
+      return true;
+    }
+    return job_.run_slice_here(*making_, [this](const Status& done) { answered(done); });
+  }
+
+  /// Ends the call if there is no revision; then this may be gone.
+  bool pin(CastUpdates::Outcome applied) {
+    if (!applied) {
+      end_without_cast(applied.error());
+      return false;
+    }
+    job_.pin(std::move(applied->scene), std::move(applied->snapshot));
+    return true;
+  }
+
+  void end_without_cast(const Status& status) {
+    job_.drop_batch();
+    job_.close();
+    end(status);
   }
 
   void end(const Status& status) {
@@ -149,6 +212,7 @@ class CastCall final : public grpc::ServerUnaryReactor {
   }
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();
+  const scenes::Services& services_;
   grpc::CallbackServerContext& context_;
   exec::UnreadReplies& unread_;
   metrics::QueryMetrics& metrics_;
@@ -157,7 +221,9 @@ class CastCall final : public grpc::ServerUnaryReactor {
   const std::shared_ptr<scenes::RevisionWait> wait_;
   const typename Messages::Request& request_;
   typename Messages::Reply& reply_;
+  std::optional<CastUpdates> updates_;  // if the request has some
   MadeReply<typename Messages::Reply> made_;
+  v1::CastRaysResponse* making_ = nullptr;  // while apply_and_cast() answers
   std::unique_ptr<exec::UnreadReplies::Held> held_;
 };
 
@@ -195,6 +261,10 @@ class CastStream final : public grpc::ServerBidiReactor<typename Messages::Strea
     rest_.end();
     if (!stop_waiting()) return;  // end_idle() or let_go() was first
     if (!ok) return end(exec::end_of_reads(request_));
+    if (const Status good = check_no_updates(request_.request()); !good) {
+      request_ = {};  // a refusal may wait: see RefusalPace
+      return end(good);
+    }
     if (batches_++ > 0) return cast();
     const typename Messages::Request& first = request_.request();
     const Status opened = exec::to_status([&] {

@@ -61,8 +61,8 @@ server/scenes               server/exec server/metrics server/store server/blobs
                             scenegraph/revision proto/result accel/kdtree
 server/shards               server/exec server/net scenegraph/query scenegraph/revision scenegraph/trace_options scenegraph/side_rule
                             proto/result proto/printable accel/geometry
-server/queries              server/exec server/metrics server/scenes server/segments server/shards scenegraph/* proto/result accel/geometry proto/rays
 server/updates              server/exec server/store server/blobs server/blobs/digest server/codec server/scenes scenegraph/* proto/result
+server/queries              server/exec server/metrics server/scenes server/segments server/shards server/updates scenegraph/* proto/result accel/geometry proto/rays
 server/durable              server/exec server/store server/store/postgres server/blobs server/blobs/digest server/codec server/scenes
                             server/updates scenegraph/* proto/result
 server                      server/* scenegraph/* proto/result proto/printable accel/split

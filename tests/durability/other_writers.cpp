@@ -50,8 +50,23 @@ grpc::Status Requester::send(Api& api, std::uint64_t number, v1::ApplyUpdatesRes
     request.add_updates()->mutable_delete_node()->set_node(
         static_cast<std::int64_t>(nodes_[number - 2]));
   }
+  if (number % 2 == 0) return cast(api, request, reply);
   grpc::ClientContext context;
   return api.scenes->ApplyUpdates(&context, request, &reply);
+}
+
+grpc::Status Requester::cast(Api& api, const v1::ApplyUpdatesRequest& updates,
+                             v1::ApplyUpdatesResponse& reply) {
+  v1::CastRaysRequest request = cast_request(kScene, rays_downward(1));
+  *request.mutable_apply() = updates;
+  v1::CastRaysResponse answer;
+  grpc::Status status = api.cast(request, &answer);
+  reply = answer.applied();
+  const std::uint64_t served = answer.served().revision(), made = reply.revision().revision();
+  if (status.ok() && (served < made || (served > made && !reply.replayed())))
+    findings_.add(findings_.wrong,
+                  fmt::format("updates that made revision {} were seen at {}", made, served));
+  return status;
 }
 
 void Uploader::run(Api& api) {

@@ -10,7 +10,8 @@
 
 namespace sightline::tests::durability {
 
-/// Puts one node a request, named after the request, and deletes that of the request before.
+/// Puts one node a request, named after the request, and deletes that of the request before. Every
+/// other request comes with a ray, which sees what it has made.
 class Requester {
  public:
   explicit Requester(Findings& findings) : findings_(findings) {}
@@ -23,6 +24,8 @@ class Requester {
 
  private:
   grpc::Status send(Api& api, std::uint64_t number, v1::ApplyUpdatesResponse& reply);
+  grpc::Status cast(Api& api, const v1::ApplyUpdatesRequest& updates,
+                    v1::ApplyUpdatesResponse& reply);
 
   Findings& findings_;
   std::vector<std::uint64_t> nodes_;  // of acknowledged requests

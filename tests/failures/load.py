@@ -98,6 +98,30 @@ class Writer(Client):
         time.sleep(_PAUSE)
 
 
+class CastingWriter(Writer):
+    """The same with rays in the request, which see the batch."""
+
+    def _step(self):
+        self._sequence += 1
+        seed, scene = self._sequence % _SEEDS, self._client.scene(self._scene)
+        batch = scene.batch()
+        batch.add(updates.set_transforms(self._nodes, world.transforms(self._number, self._sequence)), [])
+        while not self._load.gives_up:
+            started = time.monotonic()
+            try:
+                hits = scene.cast(RAYS[seed], fields=("t", "node"), apply=batch)
+            except sightline.SightlineError as error:
+                self._fail(error)
+                time.sleep(_PAUSE)
+                continue
+            made = hits.applied
+            self._load.truth.acknowledge(self._number, self._sequence, made.revision, made.revision, made.token)
+            self._load.truth.answer(seed, hits, started, made.revision)
+            self._done()
+            break
+        time.sleep(_PAUSE)
+
+
 class StreamWriter(Writer):
     """The same over a stream, one batch at a time. A stream that ended is opened again, and tells what is kept."""
 
@@ -136,7 +160,7 @@ class Load:
         for what, endpoint in (("haproxy", balanced), ("list", listed)):
             self.clients += [Caster(self, endpoint, f"cast/{what}", number) for number in range(_CASTERS)]
         for number in range(world.WRITERS):
-            kind = StreamWriter if number < world.STREAMS else Writer
+            kind = StreamWriter if number < world.STREAMS else (CastingWriter, Writer)[number % 2]
             what, endpoint = (("list", listed), ("haproxy", balanced))[number % 2]
             self.clients.append(kind(self, endpoint, f"update/{what}", number))
 

@@ -76,6 +76,17 @@ class AioTest(unittest.IsolatedAsyncioTestCase):
         self.assertEqual((await self.scene.info()).nodes, 2)
         self.assertEqual([scene.name for scene in await self.client.scenes()], [self.scene.name])
 
+    async def test_changes_come_with_a_cast(self):
+        move = sightline.updates.set_transforms([1], np.eye(4)[None])
+        hits = await self.scene.cast(self.rays, apply=move)
+        np.testing.assert_allclose(hits.t, self.t, rtol=1e-4)
+        self.assertEqual((hits.revision, hits.applied.revision), (2, 2))
+        async with self.scene.batch() as batch:
+            node = await self.scene.add(brute.box(), name="box")
+            near = await self.scene.closest(self.rays[:, :3], apply=batch)
+            self.assertEqual((near.revision, near.applied, node.id), (3, batch.applied, 2))
+        self.assertEqual((await self.scene.info()).revision, 3)
+
     async def test_cancelling_a_task_cancels_its_call(self):
         async def watching():
             async for _ in self.scene.watch():

@@ -68,6 +68,19 @@ class BrokenConnectionTest(ServerTest):
             self.proxy.cut()
             np.testing.assert_array_equal(self.scene.cast(rays).t, expected.t)
 
+    def test_changes_that_come_with_a_cast_are_applied_once(self):
+        rays = brute.rays(300)
+        expected = self.scene.cast(rays)
+        for turn, cut_after in enumerate((0, 5_000, 20_000, 25_000, 30_000)):  # the request has 14,400 bytes
+            if cut_after:
+                self.proxy.cut_after(cut_after)
+            else:
+                self.proxy.cut()
+            hits = self.scene.cast(rays, apply=[sightline.updates.put_node(-1, 0, "", None, "", None, None)])
+            np.testing.assert_array_equal(hits.t, expected.t)
+            self.assertEqual(hits.applied.revision, turn + 2)
+        self.assertEqual(self.scene.info().nodes, 6)
+
     def test_an_update_stream_applies_each_batch_once(self):
         with self.scene.update_stream("producer") as stream:
             for x in range(200):

@@ -31,6 +31,7 @@ class ProgramsTest(unittest.TestCase):
     EXPECTED = {
         "clearance": (" 90.0 degrees: 0.050 m to the post", ()),
         "cloud_to_mesh": ("50000 points, from -0.440 to +0.098 mm", ("deviations.ply",)),
+        "game_tick": ("revision 11: ", ()),
         "inside_test": ("26729 of 100000 points are inside", ()),
         "lidar_scan": ("points of 11520 rays", ("cloud.npy",)),
         "line_of_sight": ("pairs see each other", ()),
@@ -86,6 +87,32 @@ class LidarScanTest(ServerTest):
             self.assertEqual((bool(hits.hit[column, level]), hits.name[column, level]), (bool(name), name))
         self.assertTrue((hits.t >= lidar.RANGE[0]).all())
         self.assertEqual(np.isfinite(hits.position[..., 0]).tolist(), hits.hit.tolist())
+
+
+class GameTickTest(ServerTest):
+    @staticmethod
+    def blocked(start, line, own, middle, half):
+        """Whether a line on the plan, less the shares at its ends, meets a square."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            first, second = (middle - half - start) / line, (middle + half - start) / line
+        enters, leaves = np.minimum(first, second).max(), np.maximum(first, second).min()
+        return max(enters, own) <= min(leaves, 1 - own)
+
+    def test_lines_of_sight(self):
+        game = recipe("game_tick")
+        rng = np.random.default_rng(3)
+        places = rng.uniform(1, game.HALL - 1, (20, 2))
+        scene, agents, pillars = game.arena(self.client, places)
+        pairs = np.array([(i, j) for i in range(20) for j in range(20) if i != j])
+        for step in range(5):
+            places = game.walk(rng, places)
+            sees, revision = game.tick(scene, agents, places, pairs)
+            self.assertEqual(revision, step + 2)
+            squares = [(middle, 1.0) for middle in pillars] + [(middle, game.WIDTH / 2) for middle in places]
+            for (a, b), seen in zip(pairs, sees):
+                line = places[b] - places[a]
+                own = game.WIDTH / max(np.linalg.norm(line), 2.5 * game.WIDTH)
+                self.assertEqual(seen, not any(self.blocked(places[a], line, own, *square) for square in squares), (step, a, b))
 
 
 class LineOfSightTest(ServerTest):

@@ -45,6 +45,15 @@ class RetriesTest(ServerTest):
         parts = list(self.scene.cast(iter(np.array_split(self.rays, 3))))
         np.testing.assert_array_equal(np.concatenate([part.t for part in parts]), self.expected.t)
 
+    def test_casts_with_changes_have_one_effect(self):
+        move = sightline.updates.set_transforms([1], np.eye(4)[None])
+        self.refuse(CastRays=3, QueryPoints=2)
+        hits = self.scene.cast(self.rays, apply=move)
+        np.testing.assert_array_equal(hits.hit, self.expected.hit)
+        self.assertEqual((hits.applied.revision, self.scene.closest(self.rays[:, :3], apply=move).applied.revision), (2, 3))
+        self.assertEqual((self.refusing.calls["CastRays"], self.refusing.calls["QueryPoints"]), (4, 3))
+        self.assertEqual(self.scene.info().revision, 3)
+
     def test_closest_points(self):
         points = self.rays[:, :3]
         expected = self.client.scene(self.name).closest(points, 0.5).hit

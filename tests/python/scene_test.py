@@ -89,6 +89,53 @@ class SceneTest(ServerTest):
             pass
         self.assertIsNone(batch.applied)
 
+    def test_changes_come_with_a_cast(self):
+        with self.scene.batch() as batch:
+            node = self.scene.add(self.box, transform=shifted(10))
+            hits = self.scene.cast(DOWN, apply=batch)
+            self.assertEqual((hits.hit.tolist(), hits.revision), ([False, True, False], 1))
+            self.assertEqual((hits.applied, hits.applied.nodes), (batch.applied, (node.id,)))
+            self.assertEqual(self.scene.info().revision, 1)
+            self.scene.set_transforms([node], shifted(20)[None])
+        self.assertEqual((batch.applied.revision, self.seen()), (2, [False, False, True]))
+        for at in (0, 10, 20):
+            hits = self.scene.cast(DOWN, kind="any", apply=sightline.updates.set_transforms([node], shifted(at)[None]))
+            self.assertEqual(hits.hit.tolist(), [x == at for x in (0, 10, 20)])
+            self.assertEqual(hits.applied.token, hits.token)
+        near = self.scene.closest([[0.5, 0.5, 5]], apply=sightline.updates.set_transforms([node], shifted(0)[None]))
+        self.assertEqual((near.distance.tolist(), near.applied.revision), ([4], 6))
+        self.assertIsNone(self.scene.cast(DOWN).applied)
+
+    def test_changes_that_a_cast_does_not_apply(self):
+        node = self.scene.add(self.box)
+        move = sightline.updates.set_transforms([node], shifted(10)[None])
+        token = self.scene.cast(DOWN).token
+        many = np.zeros((self.client.max_rays_per_request() + 1, 6))
+        grid = sightline.PointGrid(origin=[0, 0, 2], across=[1, 0, 0], down=[0, 1, 0], columns=2, rows=2)
+        with self.client.create_scene("of-others").batch() as others:
+            for text, asking in (("kind='all'", lambda: self.scene.cast(DOWN, kind="all", apply=move)),
+                                 ("one message", lambda: self.scene.cast(many, apply=move)),
+                                 ("arrays", lambda: self.scene.closest(grid, apply=move)),
+                                 ("iterator", lambda: next(self.scene.cast(iter([np.array(DOWN)]), apply=move))),
+                                 ("revision", lambda: self.scene.cast(DOWN, revision=1, apply=move)),
+                                 ("revision", lambda: self.scene.cast(DOWN, at_least=token, apply=move)),
+                                 ("of-others", lambda: self.scene.cast(DOWN, apply=others))):
+                with self.subTest(text), self.assertRaisesRegex(ValueError, text):
+                    asking()
+        for error, asking in ((sightline.NotFound, lambda: sightline.updates.set_transforms([99], shifted(1)[None])),
+                              (sightline.InvalidArgument, lambda: sightline.updates.set_transforms([node], np.full((1, 3, 4), np.inf)))):
+            with self.assertRaises(error):
+                self.scene.cast(DOWN, apply=asking())
+        with self.assertRaises(sightline.Aborted), self.scene.batch(expected_revision=7) as batch:
+            node.set_transform(shifted(10))
+            self.scene.cast(DOWN, apply=batch)
+        self.assertEqual((self.scene.info().revision, self.seen()), (1, [True, False, False]))
+        with self.scene.batch(expected_revision=1) as batch:
+            node.set_transform(shifted(10))
+            self.assertEqual(self.scene.cast(DOWN, apply=batch).revision, 2)
+            node.set_transform(shifted(20))
+        self.assertEqual(batch.applied.revision, 3)
+
     def test_far_from_the_origin(self):
         far = np.array([4e6, 5e6, 0])
         vertices = self.box[0] / 1000 + far

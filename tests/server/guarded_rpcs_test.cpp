@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sightline/v1/backup.pb.h"
@@ -107,6 +108,31 @@ TEST_F(GuardedRpcs, OnlyAnAdministratorReplaces) {
   put.set_replace(true);
   EXPECT_EQ(reason_of(call_raw(channel_, path, put.SerializeAsString(), kWriter)), "ROLE_MISSING");
   EXPECT_TRUE(call_raw(channel_, path, put.SerializeAsString(), kAdministrator).ok());
+}
+
+TEST_F(GuardedRpcs, OnlyAWriterCastsWithUpdates) {
+  ASSERT_TRUE(create(kWriter, kOwnScene).ok());
+  v1::CastRaysRequest rays;
+  v1::QueryPointsRequest points;
+  rays.set_scene(kOwnScene);
+  points.set_scene(kOwnScene);
+  const auto call = [&](const char* method, const std::string& request, const std::string& token) {
+    return call_raw(channel_, std::string("/sightline.v1.RayQueryService/") + method, request,
+                    token);
+  };
+  EXPECT_TRUE(call("CastRays", rays.SerializeAsString(), kReader).ok());
+  EXPECT_TRUE(call("QueryPoints", points.SerializeAsString(), kReader).ok());
+  rays.mutable_apply();
+  points.mutable_apply();
+  for (const auto& [method, request] : {std::pair("CastRays", rays.SerializeAsString()),
+                                        std::pair("QueryPoints", points.SerializeAsString())}) {
+    const grpc::Status refused = call(method, request, kReader);
+    EXPECT_EQ(refused.error_code(), grpc::StatusCode::PERMISSION_DENIED) << method;
+    EXPECT_EQ(reason_of(refused), "ROLE_MISSING") << method;
+    EXPECT_EQ(reason_of(call(method, request, kStranger)), "SCENE_FORBIDDEN") << method;
+    const grpc::Status done = call(method, request, kWriter);
+    EXPECT_TRUE(done.ok()) << method << ": " << done.error_message();
+  }
 }
 
 TEST_F(GuardedRpcs, AListShowsWhatMayBeRead) {

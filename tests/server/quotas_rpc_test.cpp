@@ -90,6 +90,9 @@ TEST_F(BytesQuota, RefusesEveryKindOfRequest) {
                  server::exec::kQuotaBytes);
   expect_refused(api_.create("projects/p/scenes/t"), server::exec::kQuotaBytes);
   expect_refused(api_.apply(kScene, {put_node(-1)}), server::exec::kQuotaBytes);
+  v1::CastRaysRequest with_updates = cast_request(kScene, rays_downward(1));
+  *with_updates.mutable_apply()->add_updates() = put_node(-1);
+  expect_refused(api_.cast(with_updates, &reply), server::exec::kQuotaBytes);
   expect_refused(api_.upload(blob, digest_of(blob).text()), server::exec::kQuotaBytes);
   grpc::ClientContext context;
   v1::BatchGetNodesRequest request;
@@ -146,6 +149,20 @@ TEST_F(WorkQuota, IsGivenBackWhenACallEnds) {
   for (int i = 0; i < 20; ++i) {
     EXPECT_TRUE(api_.cast(cast_request(kScene, rays_downward(1000)), &reply).ok());
     EXPECT_EQ(api_.get(kScene).name(), kScene);
+  }
+}
+
+TEST_F(WorkQuota, ACastWithUpdatesIsOnePieceOfWork) {
+  api_.make_scene(kScene, planar_sheet(1));
+  v1::CastRaysResponse reply;
+  v1::CastRaysRequest request = cast_request(kScene, rays_downward(100));
+  for (int i = 0; i < 20; ++i) {
+    *request.mutable_apply()->add_updates() = put_node(-1 - i);
+    const grpc::Status done = api_.cast(request, &reply);
+    EXPECT_TRUE(done.ok()) << done.error_message();
+    *request.mutable_apply()->add_updates() = v1::Update();
+    EXPECT_EQ(reason_of(api_.cast(request, &reply)), "EMPTY_UPDATE");
+    request.mutable_apply()->mutable_updates()->RemoveLast();
   }
 }
 

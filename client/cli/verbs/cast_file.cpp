@@ -167,13 +167,18 @@ Result<CastOutcome> cast_file(const Client& client, const CastFileRequest& reque
   if (!rays) return rays.error();
   auto hits = open_hits(request, *rays);
   if (!hits) return hits.error();
-  return cast_rays(client,
-                   {.scene = request.scene,
-                    .fields = files::fields_for(request.columns),
-                    .options = request.options,
-                    .asked = request.asked,
-                    .max_distance = request.max_distance},
-                   *std::move(rays), *std::move(hits));
+  CastRequest cast{.scene = request.scene,
+                   .fields = files::fields_for(request.columns),
+                   .options = request.options,
+                   .asked = request.asked,
+                   .max_distance = request.max_distance};
+  if (!request.updates) return cast_rays(client, cast, *std::move(rays), *std::move(hits));
+  auto applied = client.apply(request.scene, *request.updates);
+  if (!applied) return applied.error();
+  cast.options.consistency.exact_revision = applied->revision;
+  auto outcome = cast_rays(client, cast, *std::move(rays), *std::move(hits));
+  if (outcome) outcome->applied = *std::move(applied);
+  return outcome;
 }
 
 Result<CastOutcome> cast_rays(const Client& client, CastRequest request, files::RayFile rays,

@@ -27,6 +27,8 @@ struct CastFileRequest {
   CastOptions options;
   files::RowKind asked = files::RowKind::kRays;
   std::optional<double> max_distance{};  ///< of points
+  /// Applied when the files are open; the revision that they make answers.
+  std::optional<std::vector<Update>> updates{};
 };
 
 /// What is asked about rays that are open already.
@@ -41,6 +43,7 @@ struct CastRequest {
 struct CastOutcome {
   files::RowKind asked = files::RowKind::kRays;
   CastReport cast;
+  std::optional<Applied> applied{};       ///< what updates of the request came to
   bool looks_for_faces = true;            ///< otherwise `hits` of the cast are none
   std::optional<std::uint64_t> inside{};  ///< the points that are, if `inside` was asked
   double seconds = 0;

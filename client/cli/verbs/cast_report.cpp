@@ -94,6 +94,7 @@ Json json_of_cast(const CastOutcome& outcome, QueryKind kind, const SceneStats& 
             {"instances_entered", cast.instances_entered}};
   if (kind == QueryKind::kCount || kind == QueryKind::kAll) json["hits_found"] = cast.hits_found;
   if (!outcome.looks_for_faces) json["hits"] = nullptr;
+  if (outcome.applied) json["nodes"] = outcome.applied->nodes;
   if (outcome.inside) json["inside"] = *outcome.inside;
   if (kind == QueryKind::kAll) json[rows + "_cut_off"] = cast.rays_cut_off;
   return json;
@@ -119,6 +120,8 @@ void print_cast_summary(std::FILE* to, const CastOutcome& outcome,
     fmt::print(to, "; {} triangles built",
                format_share(stats->triangles_built, stats->triangles_total));
   fmt::print(to, "\n");
+  if (outcome.applied && !outcome.applied->nodes.empty())
+    fmt::print(to, "new nodes {}\n", fmt::join(outcome.applied->nodes, " "));
   if (cast.hits_found > 0) {
     fmt::print(to, "{} {} found\n", format_count(cast.hits_found), has_rays ? "hits" : "faces");
   }

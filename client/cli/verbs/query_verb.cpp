@@ -10,6 +10,7 @@
 
 #include "client/cli/files/format.h"
 #include "client/cli/files/hit_columns.h"
+#include "client/cli/files/update_file.h"
 #include "client/cli/flags.h"
 #include "client/cli/verbs/cast_file.h"
 #include "client/cli/verbs/cast_report.h"
@@ -85,9 +86,24 @@ Result<CastFileRequest> request_of(const Client& client, const QueryArguments& a
   set_sides(arguments.sides, options);
   options.time_budget = std::chrono::milliseconds(arguments.time_budget_ms);
   options.allow_partial = arguments.allow_partial;
+  if (!arguments.apply.empty()) {
+    auto updates = files::read_updates(arguments.apply, stop);
+    if (!updates) return updates.error();
+    request.updates = *std::move(updates);
+  }
   if (const Status set = set_nodes(client, arguments.scene, arguments.nodes, options); !set)
     return set.error();
   return request;
+}
+
+void check_apply(const QueryArguments& arguments) {
+  if (arguments.apply.empty()) return;
+  if (arguments.apply == "-" && arguments.in == "-")
+    throw CLI::ValidationError("--apply - and --in - both want standard input");
+  if (!arguments.consistency.at_least.empty() || arguments.consistency.exact_revision)
+    throw CLI::ValidationError("--apply",
+                               "makes the revision that answers: leave out --at-least and "
+                               "--revision");
 }
 
 void check_output(const Session& session, const QueryArguments& arguments) {
@@ -203,11 +219,16 @@ void add_query_flags(CLI::App& verb, QueryArguments& arguments) {
   add_filters(verb, arguments, words);
   add_time_budget_flag(verb, arguments.asked, arguments.time_budget_ms);
   verb.add_flag("--allow-partial", arguments.allow_partial, words.allow_partial);
+  verb.add_option("--apply", arguments.apply,
+                  "Updates to apply first, one a line, as the verb update takes them; the revision "
+                  "that they make answers")
+      ->type_name("OPS.ndjson");
   add_consistency_flags(verb, arguments.consistency);
 }
 
 ExitCode run_query(const Session& session, const QueryArguments& arguments) {
   check_output(session, arguments);
+  check_apply(arguments);
   columns_of(arguments);  // a usage error comes before all others
   const auto client = session.connect();
   if (!client) return fail(client.error());

@@ -35,6 +35,7 @@ struct QueryArguments {
   std::uint32_t max_hits = 0;
   std::uint32_t time_budget_ms = 0;
   bool allow_partial = false;
+  std::string apply{};  ///< a file of updates that come first; empty: none
   Consistency consistency{};
 };
 

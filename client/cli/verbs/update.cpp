@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/files/input.h"
-#include "client/cli/files/update_json.h"
+#include "client/cli/files/update_file.h"
 #include "client/cli/flags.h"
 #include "client/cli/terminal.h"
 #include "client/cli/verbs/verbs.h"
@@ -25,29 +24,6 @@ struct UpdateArguments {
 };
 
 constexpr std::size_t kMaxRequestId = 48;  // bytes
-
-bool is_blank(std::string_view line) {
-  return line.find_first_not_of(" \t\r") == std::string_view::npos;
-}
-
-Result<std::vector<Update>> read_updates(const std::string& file, const std::stop_token& stop) {
-  auto input = files::Input::open(file, stop);
-  if (!input) return input.error();
-  std::vector<Update> updates;
-  std::string_view line;
-  for (std::size_t number = 1;; ++number) {
-    const auto more = input->next_line(line);
-    if (!more) return more.error();
-    if (!*more) return updates;
-    if (is_blank(line)) continue;
-    auto update = files::parse_update(line);
-    if (!update) {
-      return local_error(
-          fmt::format("{}: line {}: {}", input->name(), number, update.error().message));
-    }
-    updates.push_back(*std::move(update));
-  }
-}
 
 void report(const Session& session, const UpdateArguments& arguments, std::size_t updates,
             const Applied& applied) {
@@ -72,7 +48,7 @@ ExitCode run(const Session& session, const UpdateArguments& arguments) {
   if (!client) return fail(client.error());
   const auto updates = [&] {
     const Interrupt interrupt;  // while waiting for standard input
-    return read_updates(arguments.file, interrupt.token());
+    return files::read_updates(arguments.file, interrupt.token());
   }();
   if (!updates && updates.error().code == Code::kCancelled) return say_interrupted();
   if (!updates) return fail(updates.error());

@@ -67,6 +67,7 @@ class Answer:
         self.revision = 0
         self.token = ""
         self.stats: Optional[Any] = None
+        self.applied: Optional[Any] = None  # a message ApplyUpdatesResponse, if there were updates
         self.first_ray = 0
         self.more = False
         self.in_place: "Set[str]" = set()  # columns that are where the caller wants them
@@ -83,6 +84,8 @@ class Answer:
                 self.first_ray = value
             elif number == _RESPONSE["more"]:
                 self.more = bool(value)
+            elif number == _RESPONSE["applied"]:
+                self.applied = _proto.ApplyUpdatesResponse.FromString(bytes(value))
             elif number == _RESPONSE["names"]:
                 self._names.append(str(value, "utf-8"))
         if "name" in self.columns:

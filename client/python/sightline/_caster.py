@@ -8,12 +8,14 @@ from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Tupl
 import numpy as np
 
 from . import _cast_codec as codec
+from . import errors
 from ._all_hits import complete, complete_points
 from ._arrays import Rows
 from ._cast import RAYS_PER_MESSAGE, CastStream, Piece, cast_once, generated, pieces
 from ._connection import Connection
 from ._segment_columns import SegmentColumns
 from ._query import OF_HITS, POINTS, Query
+from .batch import Applied
 from .hits import AllHits, Hits, NameLookup, empty_columns
 from .nearest import AllNearest, Nearest
 from .points import PointGrid
@@ -29,9 +31,12 @@ class _Totals:
     def __init__(self) -> None:
         self.revision, self.token = 0, ""
         self.stats: "Dict[str, int]" = {}
+        self.applied: Optional[Applied] = None
 
     def add(self, answer: codec.Answer) -> None:
         self.revision, self.token = answer.revision, answer.token
+        if answer.applied is not None:
+            self.applied = Applied.of(answer.applied)
         if answer.stats is not None:
             for field, value in answer.stats.ListFields():
                 self.stats[field.name] = self.stats.get(field.name, 0) + value
@@ -61,7 +66,9 @@ class _PerRay:
 
     def hits(self, shape: "Tuple[int, ...]", rays: Optional[Source], names: NameLookup) -> Hits:
         totals = self._totals
-        return self._made(shape, self.columns, totals.revision, totals.token, totals.stats, rays, names)
+        hits = self._made(shape, self.columns, totals.revision, totals.token, totals.stats, rays, names)
+        hits.applied = totals.applied
+        return hits
 
 
 class _PerHit:
@@ -125,7 +132,10 @@ class Caster:
         self._budget_end: Optional[float] = None
 
     def cast(self, rays: Source, progress: Progress, out: "Optional[Dict[str, np.ndarray]]" = None) -> "Union[Hits, AllHits]":
-        """All rays of an array, or points of a grid. out: columns that are filled."""
+        """All rays of an array, or points of a grid. out: columns that are filled. ValueError: updates, with what one
+        message does not hold."""
+        if self._query.has_updates():
+            self._check_one_message(rays)
         self._begin()
         return self._completed(self._answers(self._query, rays, progress, out or {}), rays)
 
@@ -143,6 +153,14 @@ class Caster:
                 yield self._completed(collector.hits(piece.rays.shape, piece.rays, self._names), piece.rays)
                 collector = None
 
+    def _check_one_message(self, rays: Source) -> None:
+        if self._query.kind == "all" or isinstance(rays, PointGrid):
+            raise ValueError("apply goes with arrays of rays or points, and not with kind='all': apply the changes first, and "
+                             "cast with revision=batch.applied.revision")
+        if rays.count > self._limit:
+            raise ValueError(f"apply goes with what one message holds, {self._limit} rays or points, not {rays.count}: apply "
+                             "the changes first, and cast with revision=batch.applied.revision")
+
     def _begin(self) -> None:
         now, budget = time.monotonic(), self._query.request.time_budget_ms
         self._deadline = None if self._seconds is None else now + self._seconds
@@ -151,7 +169,7 @@ class Caster:
     def _answers(self, query: Query, rays: Source, progress: Progress,
                  out: "Dict[str, np.ndarray]") -> "Union[Hits, AllHits]":
         collector, size, begin = _collector(query, rays.count, out), min(self._limit, RAYS_PER_MESSAGE), 0
-        if isinstance(collector, _PerRay):
+        if isinstance(collector, _PerRay) and not query.has_updates():
             source = rays.message() if isinstance(rays, PointGrid) else rays
             _fill_through_segment(self._connection, query, source, rays.count, collector, self._rest(), progress)
             begin = collector.filled
@@ -163,7 +181,11 @@ class Caster:
                 collector.add(part.count, answers)
                 progress(part.count)
         elif not begin and rays.count <= self._limit and query.kind != "all":
-            collector.add(rays.count, [cast_once(self._connection, query, rays, self._rest())])
+            answer = cast_once(self._connection, query, rays, self._rest())
+            if query.has_updates() and answer.applied is None:
+                raise errors.Unimplemented("the server is of a version that applies no updates with a cast, and has "
+                                           "applied none")
+            collector.add(rays.count, [answer])
             progress(rays.count)
         else:
             for piece, answers in self._stream(query, pieces([rays], size, begin)):

@@ -77,6 +77,10 @@ class Query(NamedTuple):
     most: Optional[int] = None  # hits of a ray, for kind "all"; None: any number
     hidden: Tuple[str, ...] = ()  # columns that were not asked for
 
+    def has_updates(self) -> bool:
+        """Whether updates are applied before."""
+        return self.request.HasField("apply")
+
     def needs_more(self) -> bool:
         """Whether rays that have more hits than one answer lists are cast again."""
         return self.kind == "all" and (self.most is None or self.most > MOST_LISTED)

@@ -192,7 +192,7 @@ class Scene:
 
     async def cast(self, rays: Any = None, **options: Any) -> Any:
         """Hits, as of sightline.Scene.cast."""
-        return await self._threads.run(self._scene.cast, rays, **options)
+        return await self._threads.run(self._scene.cast, rays, **_plain(options))
 
     def cast_batches(self, batches: Any, **options: Any) -> Results:
         """The hits of each batch of an iterator or an asynchronous iterator, with a few batches in memory."""
@@ -200,7 +200,7 @@ class Scene:
 
     async def closest(self, points: Any, max_distance: Any = None, **options: Any) -> Any:
         """Nearest faces, as of sightline.Scene.closest."""
-        return await self._threads.run(self._scene.closest, points, max_distance, **options)
+        return await self._threads.run(self._scene.closest, points, max_distance, **_plain(options))
 
     def closest_batches(self, batches: Any, max_distance: Any = None, **options: Any) -> Results:
         """The nearest faces of each batch of an iterator or an asynchronous iterator, with a few batches in memory."""
@@ -244,6 +244,12 @@ class Batch:
 
     async def __aexit__(self, *raised: Any) -> None:
         await self._threads.run(self._batch.__exit__, *raised)
+
+
+def _plain(options: "dict[str, Any]") -> "dict[str, Any]":
+    """The options of a cast, with the batch of sightline behind one of these."""
+    changes = options.get("apply")
+    return {**options, "apply": changes._batch} if isinstance(changes, Batch) else options
 
 
 class UpdateStream:

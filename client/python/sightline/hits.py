@@ -7,6 +7,7 @@ from typing import Any, Callable, Dict, Optional, Tuple
 import numpy as np
 
 from ._query import COLUMNS, OF_HITS
+from .batch import Applied
 from .rays import Rays
 
 INVALID_COUNT = 0xFFFFFFFF
@@ -27,6 +28,7 @@ class _Answer:
         self.shape = shape  #: leading shape of the rays
         self.revision = revision  #: the revision of the scene that answered
         self.token = token  #: that revision's token, for `at_least`
+        self.applied: Optional[Applied] = None  #: what the updates of Scene.cast(apply=...) came to
         self.stats = stats  #: what the cast cost: rays, hits, invalid, cells_expanded, build_us, trace_us, ...
         self._columns = columns
         self._rays = rays

@@ -12,6 +12,7 @@ from ._caster import Caster
 from ._connection import Connection
 from ._precision import warn_of_origins, warn_of_points
 from ._progress import reporter
+from .batch import Batch, request_of
 from .hits import AllHits, Hits
 from .nearest import AllNearest, Nearest
 from .nodes import Node
@@ -37,7 +38,8 @@ class Queries:
              exclude: Iterable[AnyNode] = (), max_hits: int = 0, at_least: Optional[str] = None,
              revision: Optional[int] = None, timeout: Optional[float] = None,
              progress: Union[bool, Callable[[int, Optional[int]], Any]] = False,
-             time_budget: Optional[float] = None, allow_partial: bool = False, out: Optional[_out.Out] = None) -> Any:
+             time_budget: Optional[float] = None, allow_partial: bool = False, out: Optional[_out.Out] = None,
+             apply: "Union[Batch, Iterable[Any], None]" = None) -> Any:
         """What rays hit.
 
         rays: real (..., 6), ox oy oz dx dy dz, or (..., 8), and tmin tmax; or origins and directions (..., 3), and
@@ -61,6 +63,11 @@ class Queries:
         if `fields` does not name others beside them. Contiguous, with the leading shape of the rays and the answer's types;
         hit as uint8: 0 miss, 1 hit, 2 invalid, 4 unanswered. Not for "all", iterators and names. Together with rays in one
         SharedMemory, nothing is copied.
+        apply: changes of the scene that are applied before, in the same call, all or none and once: an open batch of this
+        scene, or messages Update (made by sightline.updates). The rays, as many as one message holds and not of kind
+        "all", are answered at the revision that they make, and `applied` of the hits tells it; under and exclude are ids. If
+        the call is refused, nothing was applied. After another error, such as Unavailable, that is not known: the end of the
+        batch applies what was not.
 
         Returns Hits, or AllHits for "all", with the leading shape of the rays. Errors: TypeError, ValueError (rays or
         words of another form), OutOfRange (the revision is not kept), DeadlineExceeded, ResourceExhausted (the server
@@ -71,6 +78,7 @@ class Queries:
         fields = _out.fields_with(out, fields)
         query = _query.describe(_query.RAYS, self.name, kind, fields, build, cull, updates.ids([under])[0],
                                 updates.ids(exclude), max_hits, at_least, revision, time_budget, allow_partial)
+        self._add_updates(query, apply, rays)
         caster = self._caster(query, timeout, warn_of_origins)
         if hasattr(rays, "__next__"):
             _refuse_out(out)
@@ -78,7 +86,7 @@ class Queries:
         batch = as_rays(rays, origins, directions, tmin, tmax, masks)
         columns = _out.columns_of(out, query, batch.shape)
         with reporter(progress, batch.count) as report:
-            return caster.cast(batch, report, columns)
+            return _end_updates(apply, caster.cast(batch, report, columns))
 
     def closest(self, points: Any, max_distance: Any = None, *, masks: Any = None, kind: str = "closest",
                 fields: Optional[Iterable[str]] = None, build: Optional[str] = None, under: AnyNode = 0,
@@ -86,7 +94,8 @@ class Queries:
                 revision: Optional[int] = None, timeout: Optional[float] = None,
                 progress: Union[bool, Callable[[int, Optional[int]], Any]] = False,
                 time_budget: Optional[float] = None, allow_partial: bool = False, side: str = "parity",
-                side_rays: int = 1, out: Optional[_out.Out] = None) -> Any:
+                side_rays: int = 1, out: Optional[_out.Out] = None,
+                apply: "Union[Batch, Iterable[Any], None]" = None) -> Any:
         """The faces that are nearest to points.
 
         points: real (..., 3), with which max_distance and masks (...) are broadcast; float32 is sent as it is, all else
@@ -101,8 +110,8 @@ class Queries:
         says how many points have more. fields: of distance node primitive uv normal position hit work name, and of
         signed inside votes for closest; None: the first six for closest and all. Answers with node have names, also where
         these are not named; positions must be.
-        build, under, exclude, at_least, revision, timeout, progress, time_budget, allow_partial, out: as for cast(); `inside`
-        as uint8: 0 outside, 1 inside, 2 invalid, 4 unanswered.
+        build, under, exclude, at_least, revision, timeout, progress, time_budget, allow_partial, out, apply: as for cast();
+        `inside` as uint8: 0 outside, 1 inside, 2 invalid, 4 unanswered; apply does not go with a PointGrid.
 
         side: what tells the inside, for signed, inside and votes: "parity" (a ray from the point crosses an odd number of
         faces: closed meshes), "winding" (it does not cross as many from behind as from the front: closed meshes that
@@ -119,6 +128,7 @@ class Queries:
         query = _query.describe(_query.POINTS, self.name, kind, fields, build, None, updates.ids([under])[0],
                                 updates.ids(exclude), max_hits, at_least, revision, time_budget, allow_partial, side,
                                 side_rays)
+        self._add_updates(query, apply, points)
         caster = self._caster(query, timeout, warn_of_points)
         if hasattr(points, "__next__"):
             _refuse_out(out)
@@ -129,7 +139,7 @@ class Queries:
         batch = points if isinstance(points, PointGrid) else as_points(points, max_distance, masks)
         columns = _out.columns_of(out, query, batch.shape)
         with reporter(progress, batch.count, "points") as report:
-            return caster.cast(batch, report, columns)
+            return _end_updates(apply, caster.cast(batch, report, columns))
 
     def contains(self, points: Any, *, side: str = "parity", side_rays: int = 1, masks: Any = None,
                  build: Optional[str] = None, under: AnyNode = 0, exclude: Iterable[AnyNode] = (),
@@ -153,6 +163,18 @@ class Queries:
         return Caster(self._connection, self.client.max_rays_per_request(), query, timeout, self._names,
                       functools.partial(check, self))
 
+    def _add_updates(self, query: Any, changes: "Union[Batch, Iterable[Any], None]", rows: Any) -> None:
+        if changes is None:
+            return
+        if hasattr(rows, "__next__"):
+            raise ValueError("apply goes with one array, not with an iterator of them")
+        if query.request.HasField("consistency"):
+            raise ValueError("apply makes the revision that answers: leave out at_least and revision")
+        if isinstance(changes, Batch) and changes.scene_name != self.name:
+            raise ValueError(f"apply is a batch of {changes.scene_name}, not of {self.name}")
+        request = changes.request() if isinstance(changes, Batch) else request_of("", changes)
+        query.request.apply.CopyFrom(request)
+
     def _cast_iterator(self, caster: Caster, batches: Iterator[Any], progress: Any,
                        unit: str) -> "Iterator[Union[Hits, AllHits, Nearest, AllNearest]]":
         with reporter(progress, None, unit) as report:
@@ -162,3 +184,10 @@ class Queries:
 def _refuse_out(out: Optional[_out.Out]) -> None:
     if out:
         raise ValueError("an iterator has no out: each of its batches has an answer of its own")
+
+
+def _end_updates(changes: Any, hits: Any) -> Any:
+    """The hits, once the batch has been told that its changes are applied."""
+    if isinstance(changes, Batch):
+        changes.end_request(hits.applied)
+    return hits

@@ -168,6 +168,64 @@ TEST(Strand, ATaskMayHoldTheLastReferenceToItsStrand) {
   EXPECT_EQ(done, 400);
 }
 
+TEST(Strand, ATaskRunsInTheCallingThreadWhereNoOtherRuns) {
+  Strand queue;
+  std::vector<int> order;
+  std::promise<void> done;
+  Compute compute(2);
+  compute.enqueue_small({}, [&] {
+    const auto worker = std::this_thread::get_id();
+    queue.run_or_post(compute, [&] {
+      EXPECT_EQ(std::this_thread::get_id(), worker);
+      order.push_back(1);
+      queue.run_or_post(compute, [&] { order.push_back(3); });  // it waits, as this one runs
+      queue.post(compute, [&] {
+        order.push_back(4);
+        done.set_value();
+      });
+      order.push_back(2);
+    });
+    return false;
+  });
+  done.get_future().wait();
+  EXPECT_EQ(order, (std::vector{1, 2, 3, 4}));
+}
+
+TEST(Strand, TasksThatRunWhereTheyAreExcludeOthers) {
+  Strand queue;
+  int count = 0;  // without a lock
+  {
+    Compute compute(4);
+    for (int i = 0; i < 2000; ++i) {
+      if (i % 2 == 0) {
+        queue.post(compute, [&] { ++count; });
+      } else {
+        compute.enqueue_small({}, [&] {
+          queue.run_or_post(compute, [&] { ++count; });
+          return false;
+        });
+      }
+    }
+  }
+  EXPECT_EQ(count, 2000);
+}
+
+TEST(Strand, ATaskThatRunsWhereItIsMayHoldTheLastReferenceToItsStrand) {
+  std::atomic<int> done{0};
+  {
+    Compute compute(2);
+    for (int i = 0; i < 200; ++i) {
+      compute.enqueue_small({}, [&] {
+        auto queue = std::make_shared<Strand>();
+        Strand& strand = *queue;
+        strand.run_or_post(compute, [&done, queue = std::move(queue)] { ++done; });
+        return false;
+      });
+    }
+  }
+  EXPECT_EQ(done, 200);
+}
+
 TEST(Strand, ATaskMayPostAnother) {
   Strand queue;
   int count = 0;

@@ -65,6 +65,37 @@ TEST_F(Shards, AnswerAsOneServerAfterUpdatesAtAnyOfThem) {
   }
 }
 
+TEST_F(Shards, AnswerAtTheRevisionThatTheUpdatesOfACastMake) {
+  start_shards();
+  make_grid();
+  for (std::size_t i = 0; i < 9; ++i) {
+    for (const auto& [kind, fields] : kFields) {
+      v1::CastRaysRequest request = cast_of(kind, rays());
+      *request.mutable_apply()->add_updates() = move_to(2 + i, 7.0 * static_cast<double>(i));
+      v1::CastRaysResponse reply;
+      const grpc::Status cast = api(i % kServers).cast(request, &reply);
+      ASSERT_TRUE(cast.ok()) << cast.error_message();
+      EXPECT_EQ(reply.served().token(), reply.applied().revision().token());
+      request.clear_apply();
+      const std::string token = reply.served().token();
+      reply.clear_applied();
+      std::string columns, expected;
+      for (const v1::HitColumn& column : reply.columns()) columns += column.data();
+      request.mutable_consistency()->set_at_least(token);
+      v1::CastRaysResponse whole;
+      ASSERT_TRUE(plain_->api().cast(request, &whole).ok());
+      EXPECT_EQ(whole.served().token(), token);
+      for (const v1::HitColumn& column : whole.columns()) expected += column.data();
+      EXPECT_EQ(columns, expected) << v1::QueryKind_Name(kind) << " " << i;
+    }
+  }
+  v1::CastRaysRequest of_shard = cast_of(v1::QUERY_KIND_CLOSEST, rays());
+  of_shard.mutable_shard()->set_count(kServers);
+  of_shard.mutable_apply();
+  v1::CastRaysResponse reply;
+  EXPECT_EQ(reason_of(api(0).cast(of_shard, &reply)), "UPDATES_FOR_SHARD");
+}
+
 TEST_F(Shards, AnswerAsOneServerForEachKindOfRequest) {
   start_shards();
   make_grid();

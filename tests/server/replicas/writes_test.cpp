@@ -176,6 +176,88 @@ TEST_F(ReplicaWrites, ARequestThatIsSentTwiceAmongOtherWritersHasOneAnswer) {
   EXPECT_EQ(next, 3u * kEach);
 }
 
+v1::CastRaysRequest cast_with(const std::string& id, const std::vector<v1::Update>& updates) {
+  v1::CastRaysRequest request = cast_request(kScene, rays_downward(4));
+  request.mutable_apply()->set_request_id(id);
+  request.mutable_apply()->mutable_updates()->Assign(updates.begin(), updates.end());
+  return request;
+}
+
+TEST_F(ReplicaWrites, CastsWithUpdatesAreAnsweredAtTheirRevisionsWhoeverElseWrites) {
+  constexpr int kEach = 30;
+  const std::string mesh = a_->api().add_mesh(planar_sheet(1));
+  ASSERT_TRUE(a_->api().apply(kScene, {put_node(-1, mesh)}).ok());
+  std::vector<std::thread> writers;
+  int number = 0;
+  for (ReplicaServer* server : {a_.get(), b_.get(), c_.get()}) {
+    writers.emplace_back([&, server, number = number++] {
+      Api api(server->connect_again());
+      for (int i = 0; i < kEach; ++i) {
+        const double z = (1 + number * kEach + i) / 64.0;
+        v1::Update lift;
+        const double rows[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, z};
+        lift.mutable_set_transforms()->add_nodes(1);
+        lift.mutable_set_transforms()->set_matrices(rows, sizeof(rows));
+        const auto request = cast_with(std::to_string(number) + "/" + std::to_string(i), {lift});
+        v1::CastRaysResponse reply;
+        grpc::Status cast;
+        do cast = api.cast(request, &reply);  // others may commit first, too often
+        while (cast.error_code() == grpc::StatusCode::UNAVAILABLE);
+        ASSERT_TRUE(cast.ok()) << cast.error_message();
+        EXPECT_EQ(column_values<double>(reply, v1::HIT_FIELD_T).front(), 10 - z);
+        EXPECT_EQ(reply.served().token(), reply.applied().revision().token());
+        EXPECT_EQ(reply.applied().durability(), v1::DURABILITY_COMMITTED);
+      }
+    });
+  }
+  for (std::thread& writer : writers) writer.join();
+  v1::ApplyUpdatesResponse last;
+  ASSERT_TRUE(a_->api().apply(kScene, {}, &last).ok());
+  EXPECT_EQ(last.revision().revision(), 3u * kEach + 2) << "each is applied once";
+}
+
+TEST_F(ReplicaWrites, ACastWithUpdatesThatIsRepeatedAtAnotherServerHasItsRevision) {
+  const std::string mesh = a_->api().add_mesh(planar_sheet(1));
+  v1::CastRaysResponse first, repeat;
+  const auto request = cast_with("one", {put_node(-1, mesh)});
+  ASSERT_TRUE(a_->api().cast(request, &first).ok());
+  for (ReplicaServer* server : {b_.get(), c_.get()}) {
+    const grpc::Status repeated = server->api().cast(request, &repeat);
+    ASSERT_TRUE(repeated.ok()) << repeated.error_message();
+    EXPECT_TRUE(repeat.applied().replayed());
+    EXPECT_EQ(repeat.served().token(), first.served().token());
+    EXPECT_EQ(repeat.applied().nodes(0), first.applied().nodes(0));
+    EXPECT_EQ(hits_of(repeat), hits_of(first));
+    EXPECT_EQ(reason_of(server->api().cast(cast_with("one", {}), &repeat)), "REQUEST_ID_REUSED");
+  }
+  // What was applied cannot be applied again.
+  const auto removal = cast_with("two", {delete_node(1)});
+  ASSERT_TRUE(b_->api().cast(removal, &first).ok());
+  ASSERT_TRUE(c_->api().cast(removal, &repeat).ok());
+  EXPECT_TRUE(repeat.applied().replayed());
+  EXPECT_EQ(repeat.served().revision(), 2u);
+  // All at once.
+  for (int round = 0; round < 10; ++round) {
+    const auto put = cast_with("round " + std::to_string(round), {put_node(-1, mesh)});
+    std::vector<v1::CastRaysResponse> replies(3);
+    std::vector<std::thread> senders;
+    std::size_t next = 0;
+    for (ReplicaServer* server : {a_.get(), b_.get(), c_.get()}) {
+      senders.emplace_back([&put, server, reply = &replies[next++]] {
+        grpc::Status cast;
+        do cast = server->api().cast(put, reply);
+        while (cast.error_code() == grpc::StatusCode::UNAVAILABLE);
+        EXPECT_TRUE(cast.ok()) << cast.error_message();
+      });
+    }
+    for (std::thread& sender : senders) sender.join();
+    for (const auto& reply : replies) {
+      EXPECT_EQ(reply.applied().revision().revision(), static_cast<std::uint64_t>(round + 3));
+      EXPECT_GE(reply.served().revision(), reply.applied().revision().revision());
+    }
+  }
+}
+
 TEST_F(ReplicaWrites, AnExpectedRevisionIsThatOfAllServers) {
   v1::ApplyUpdatesResponse reply;
   auto request = request_of("", {put_node(-1)});

@@ -44,6 +44,35 @@ TEST_F(CastFilter, AnswersEachRayBeforeTheNextComes) {
   EXPECT_EQ(filter.wait(), 0);
 }
 
+TEST_F(CastFilter, UpdatesOfAFileComeFirst) {
+  const std::string ops =
+      dir_.write("ops.ndjson",
+                 R"({"set_transforms": {"nodes": [2], "matrices": [[1,0,0,0, 0,1,0,0, 0,0,1,1]]}}
+{"put_node": {"node": -1, "name": "new"}}
+)");
+  const std::string hits = dir_.path("hits.csv");
+  const ProgramOutcome done = cast({"--apply", ops, "--out", hits, "--json"}, kThreeRays);
+  ASSERT_EQ(done.exit, 0) << done.err;
+  const auto json = nlohmann::json::parse(done.out);
+  EXPECT_EQ(json["revision"], 2);
+  EXPECT_EQ(json["nodes"], nlohmann::json::array({3}));
+  EXPECT_NE(cast({}, kThreeRays).out.find("\n1,2,0,0.5,0.25,0,0,1\n"), std::string::npos);
+  for (const std::vector<std::string>& wrong :
+       {std::vector<std::string>{"--apply", ops, "--revision", "1"},
+        {"--apply", ops, "--at-least", "x"},
+        {"--apply", dir_.write("bad.ndjson", "{}\n")},
+        {"--apply", dir_.write("none.ndjson", R"({"delete_node": {"node": 99}})")}}) {
+    const ProgramOutcome refused = cast(wrong, kThreeRays);
+    EXPECT_NE(refused.exit, 0) << wrong[1];
+    EXPECT_EQ(refused.out, "") << wrong[1];
+  }
+  // Rays that cannot be read leave the scene as it is.
+  EXPECT_NE(run_program({"cast", "square", "--in", dir_.path("nowhere.csv"), "--apply", ops}).exit,
+            0);
+  EXPECT_EQ(
+      nlohmann::json::parse(run_program({"scene", "show", "square", "--json"}).out)["revision"], 2);
+}
+
 TEST_F(CastFilter, WithoutRaysThereIsALineOfNames) {
   Coprocess filter({"cast", "square", "--quiet"});
   filter.close_input();
