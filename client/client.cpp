@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <concepts>
 #include <utility>
 
 #include "client/calls/apply.h"
@@ -34,14 +33,7 @@ Result<Response> call(const calls::Connection& connection, const Stub& stub,
                       const Request& request, const std::stop_token& stop = {}) {
   grpc::ClientContext context;
   calls::set_timeout(context, connection.small_timeout());
-  if constexpr (requires {
-                  { request.scene() } -> std::convertible_to<std::string>;
-                })
-    calls::set_route(context, request.scene());
-  if constexpr (requires {
-                  { request.name() } -> std::convertible_to<std::string>;
-                })
-    calls::set_route(context, request.name());
+  calls::set_route(context, calls::scene_of(request));
   const std::stop_callback cancel(stop, [&] { context.TryCancel(); });
   Response response;
   const grpc::Status status = ((*stub).*method)(&context, request, &response);
@@ -51,7 +43,7 @@ Result<Response> call(const calls::Connection& connection, const Stub& stub,
 
 }  // namespace
 
-Client::Client(std::unique_ptr<calls::Connection> connection)
+Client::Client(std::shared_ptr<const calls::Connection> connection)
     : connection_(std::move(connection)) {}
 Client::Client(Client&&) noexcept = default;
 Client& Client::operator=(Client&&) noexcept = default;
@@ -64,7 +56,7 @@ Result<Client> Client::connect(const std::string& endpoint, const ClientOptions&
   if (!credentials) return credentials.error();
   const auto channel = calls::open_channel(*parsed, *credentials, options.own_connection);
   if (!channel) return channel.error();
-  return Client(std::make_unique<calls::Connection>(*channel, options.timeout));
+  return Client(std::make_shared<const calls::Connection>(*channel, options.timeout));
 }
 
 Result<ServerInfo> Client::server_info() const {

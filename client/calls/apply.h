@@ -3,10 +3,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "client/calls/unary_call.h"
 #include "client/result.h"
 #include "client/update.h"
 #include "sightline/v1/scene.pb.h"
@@ -26,10 +28,12 @@ Result<std::vector<v1::StreamUpdatesRequest>> pack_batch(std::span<const Update>
 
 void set_sequence(std::uint64_t sequence, std::vector<v1::StreamUpdatesRequest>& messages);
 
-struct Connection;
-
 Result<Applied> apply(const Connection& connection, const std::string& scene,
                       std::span<const Update> updates, const ApplyOptions& options);
+/// As apply(), begun later. Copies `updates`.
+Begin<Applied> async_apply(const std::shared_ptr<const Connection>& connection,
+                           const std::string& scene, std::span<const Update> updates,
+                           const ApplyOptions& options);
 Result<Applied> apply_in_batches(const Connection& connection, const std::string& scene,
                                  std::span<const Update> updates, const ApplyOptions& options);
 

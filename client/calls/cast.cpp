@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <utility>
 
 #include "client/calls/cast_stream.h"
 #include "client/calls/columns.h"
@@ -36,21 +37,43 @@ HitSink copy_to(const HitColumns& hits) {
   };
 }
 
+/// The request of a batch. Errors: those of the arguments.
+template <class Columns>
+Result<RequestOf<Columns>> make_request(const std::string& scene, const Columns& rows,
+                                        const HitColumns& hits, const CastOptions& options) {
+  if (const Status checked = check_kind(options.kind); !checked) return checked.error();
+  if (const Status checked = check_rows(rows, hits); !checked) return checked.error();
+  const HitFields fields = fields_of(hits);
+  if (rows.size() == 0 && has_sides(options))
+    return make_request(scene, rows, hits, without_sides(options));
+  if (const Status checked = CallsOf<RequestOf<Columns>>::check(options, fields); !checked)
+    return checked.error();
+  RequestOf<Columns> request;
+  wire::describe(scene, fields, options, request);
+  set_rows(rows, request);
+  return request;
+}
+
+/// Copies the answers to n rays or points into `hits`.
+template <class Response>
+Result<CastReport> read_response(const Response& response, std::size_t n, const HitColumns& hits) {
+  const auto answers = wire::view_hits(response, fields_of(hits), n);
+  if (!answers) return answers.error();
+  std::fill(hits.unanswered.begin(), hits.unanswered.end(), std::uint8_t{0});
+  copy_hits(*answers, 0, hits);
+  CastReport report;
+  wire::add_stats(response, report);
+  return report;
+}
+
 }  // namespace
 
 template <class Columns>
 Result<CastReport> cast(const Connection& connection, const std::string& scene, const Columns& rows,
                         const HitColumns& hits, const CastOptions& options) {
   using Calls = CallsOf<RequestOf<Columns>>;
-  if (const Status checked = check_kind(options.kind); !checked) return checked.error();
-  if (const Status checked = check_rows(rows, hits); !checked) return checked.error();
-  const HitFields fields = fields_of(hits);
-  if (rows.size() == 0 && has_sides(options))
-    return cast(connection, scene, rows, hits, without_sides(options));
-  if (const Status checked = Calls::check(options, fields); !checked) return checked.error();
-  RequestOf<Columns> request;
-  wire::describe(scene, fields, options, request);
-  set_rows(rows, request);
+  const auto request = make_request(scene, rows, hits, options);
+  if (!request) return request.error();
 
   const auto deadline = deadline_after(connection.timeout);
   Retries retries(deadline);
@@ -60,17 +83,31 @@ Result<CastReport> cast(const Connection& connection, const std::string& scene, 
     if (deadline) context.set_deadline(*deadline);
     set_route(context, scene, options.route_key);
     const std::stop_callback cancel(options.stop, [&] { context.TryCancel(); });
-    const grpc::Status status = Calls::call(*connection.queries, context, request, response);
+    const grpc::Status status = Calls::call(*connection.queries, context, *request, response);
     if (status.ok()) break;
-    if (!retries.wait(status, options.stop)) return rpc_error(status);
+    if (!retries.wait(status, options.stop)) return rpc_error(status, options.stop);
   }
-  const auto answers = wire::view_hits(response, fields, rows.size());
-  if (!answers) return answers.error();
-  std::fill(hits.unanswered.begin(), hits.unanswered.end(), std::uint8_t{0});
-  copy_hits(*answers, 0, hits);
-  CastReport report;
-  wire::add_stats(response, report);
-  return report;
+  return read_response(response, rows.size(), hits);
+}
+
+template <class Columns>
+Begin<CastReport> async_cast(const std::shared_ptr<const Connection>& connection,
+                             const std::string& scene, const Columns& rows, const HitColumns& hits,
+                             const CastOptions& options) {
+  using Request = RequestOf<Columns>;
+  using Response = typename CallsOf<Request>::Response;
+  auto request = make_request(scene, rows, hits, options);
+  if (!request) return refused<CastReport>(request.error());
+  return unary_call<CastReport, Request, Response>(
+      connection, connection->timeout, Repeat::kRefusals, {scene, options.route_key}, options.stop,
+      *std::move(request),
+      [](const Connection& by, grpc::ClientContext& context, const Request& asked,
+         Response& response, std::function<void(grpc::Status)> ended) {
+        CallsOf<Request>::begin(*by.queries, context, asked, response, std::move(ended));
+      },
+      [n = rows.size(), hits](const Response& response) {
+        return read_response(response, n, hits);
+      });
 }
 
 template <class Columns>
@@ -142,6 +179,19 @@ template Result<CastReport> cast(const Connection&, const std::string&,
 template Result<CastReport> cast(const Connection&, const std::string&,
                                  const PointColumns<const double>&, const HitColumns&,
                                  const CastOptions&);
+
+template Begin<CastReport> async_cast(const std::shared_ptr<const Connection>&, const std::string&,
+                                      const RayColumns<const float>&, const HitColumns&,
+                                      const CastOptions&);
+template Begin<CastReport> async_cast(const std::shared_ptr<const Connection>&, const std::string&,
+                                      const RayColumns<const double>&, const HitColumns&,
+                                      const CastOptions&);
+template Begin<CastReport> async_cast(const std::shared_ptr<const Connection>&, const std::string&,
+                                      const PointColumns<const float>&, const HitColumns&,
+                                      const CastOptions&);
+template Begin<CastReport> async_cast(const std::shared_ptr<const Connection>&, const std::string&,
+                                      const PointColumns<const double>&, const HitColumns&,
+                                      const CastOptions&);
 
 template Result<CastReport> cast_source(const Connection&, const std::string&,
                                         const RaySource<float>&, RayShape, HitFields,

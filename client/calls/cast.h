@@ -2,8 +2,10 @@
 // the library.
 #pragma once
 
+#include <memory>
 #include <string>
 
+#include "client/calls/unary_call.h"
 #include "client/cast_options.h"
 #include "client/points.h"
 #include "client/ray_generator.h"
@@ -11,13 +13,16 @@
 
 namespace sightline::client::calls {
 
-struct Connection;
-
 // Columns are RayColumns or PointColumns, of const float or const double; those of a source are not
 // const. A generator is a RayGenerator or a PointGrid.
 template <class Columns>
 Result<CastReport> cast(const Connection& connection, const std::string& scene, const Columns& rows,
                         const HitColumns& hits, const CastOptions& options);
+/// As cast(), begun later. Copies `rows`; the arrays of `hits` must live until it is done.
+template <class Columns>
+Begin<CastReport> async_cast(const std::shared_ptr<const Connection>& connection,
+                             const std::string& scene, const Columns& rows, const HitColumns& hits,
+                             const CastOptions& options);
 template <class Columns>
 Result<CastReport> cast_source(const Connection& connection, const std::string& scene,
                                const RowSource<Columns>& source, typename Columns::Shape shape,
