@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <concepts>
 #include <utility>
 
 #include "client/calls/apply.h"
@@ -35,14 +34,7 @@ Result<Response> call(const calls::Connection& connection, const Stub& stub,
                       const Request& request, const std::stop_token& stop = {}) {
   grpc::ClientContext context;
   calls::set_timeout(context, connection.small_timeout());
-  if constexpr (requires {
-                  { request.scene() } -> std::convertible_to<std::string>;
-                })
-    calls::set_route(context, request.scene());
-  if constexpr (requires {
-                  { request.name() } -> std::convertible_to<std::string>;
-                })
-    calls::set_route(context, request.name());
+  calls::set_route(context, calls::scene_of(request));
   const std::stop_callback cancel(stop, [&] { context.TryCancel(); });
   Response response;
   const grpc::Status status = ((*stub).*method)(&context, request, &response);
@@ -52,7 +44,7 @@ Result<Response> call(const calls::Connection& connection, const Stub& stub,
 
 }  // namespace
 
-Client::Client(std::unique_ptr<calls::Connection> connection)
+Client::Client(std::shared_ptr<const calls::Connection> connection)
     : connection_(std::move(connection)) {}
 Client::Client(Client&&) noexcept = default;
 Client& Client::operator=(Client&&) noexcept = default;
@@ -68,7 +60,7 @@ Result<Client> Client::connect(const std::string& endpoint, const ClientOptions&
   auto segments = std::make_shared<calls::SegmentPool>(
       *channel, calls::SegmentPool::refusal_of(*parsed, options));
   return Client(
-      std::make_unique<calls::Connection>(*channel, std::move(segments), options.timeout));
+      std::make_shared<const calls::Connection>(*channel, std::move(segments), options.timeout));
 }
 
 TransportChoice Client::transport() const { return connection_->segments->transport(); }

@@ -34,6 +34,8 @@ struct Connection;
 
 namespace sightline::client {
 
+class AsyncClient;
+
 struct ClientOptions {
   /// How long a call may take before it fails with kDeadlineExceeded. If not set: one minute for
   /// calls that send neither rays nor meshes, and no limit for the others.
@@ -63,7 +65,8 @@ struct AppliedCast {
 
 /// Scenes are named projects/{project}/scenes/{scene}. Errors have the server's code, message and
 /// reason, or kUnavailable if the server cannot be reached. Calls that only read are retried before
-/// they fail with kUnavailable. Threads: any, for every member.
+/// they fail with kUnavailable. Threads: any, for every member. Members wait for their answers;
+/// AsyncClient (client/async_client.h) makes calls that do not.
 class Client {
  public:
   /// `endpoint` is HOST:PORT, unix:PATH, or HOST:PORT,HOST:PORT... of replicas. The first call
@@ -124,6 +127,19 @@ class Client {
   Result<std::vector<NodeInfo>> get_nodes(const std::string& scene,
                                           std::span<const std::uint64_t> ids,
                                           const Consistency& consistency = {}) const;
+
+  /// Makes a scene of one mesh, which its one node has: "mesh", with the id 1. Uploads the mesh
+  /// unless the server has it, and then does what put_scene() does. Numbers are (n, 3), copied into
+  /// rows. Errors: kInvalidArgument, numbers that are not 3 each, no faces, or a face with a vertex
+  /// that does not exist (one of kNoVertex alone is never hit); kAlreadyExists, unless
+  /// options.replace, before the mesh is sent; kResourceExhausted, a mesh beyond the server's
+  /// limits; those of put_scene().
+  Result<SceneInfo> import_arrays(const std::string& scene, std::span<const Vertex> vertices,
+                                  std::span<const Face> faces,
+                                  const PutSceneOptions& options = {}) const;
+  Result<SceneInfo> import_arrays(const std::string& scene, std::span<const float> vertices,
+                                  std::span<const std::uint32_t> faces,
+                                  const PutSceneOptions& options = {}) const;
 
   /// Makes a scene with all its nodes in one step, as one revision. Others find the whole scene,
   /// and before it none, or the one that it replaces; after an error, too. If the connection breaks
@@ -316,8 +332,9 @@ class Client {
                               HitFields fields, const CastOptions& options = {}) const;
 
  private:
-  explicit Client(std::unique_ptr<calls::Connection> connection);
-  std::unique_ptr<calls::Connection> connection_;
+  friend class AsyncClient;
+  explicit Client(std::shared_ptr<const calls::Connection> connection);
+  std::shared_ptr<const calls::Connection> connection_;
 };
 
 }  // namespace sightline::client

@@ -65,7 +65,7 @@ std::vector<PutNode> put_nodes(const importer::ImportedScene& scene,
                                const SceneUploadOptions& options, NodeRef parent = 0) {
   std::vector<PutNode> puts;
   puts.reserve(scene.nodes.size());
-  const auto alias = [](std::size_t i) { return -static_cast<NodeRef>(i) - 1; };
+  const auto alias = [](std::size_t i) { return NodeRef(-1 - static_cast<std::int64_t>(i)); };
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
     const importer::ImportedNode& node = scene.nodes[i];
     PutNode put;
@@ -129,7 +129,7 @@ Result<std::vector<std::uint64_t>> add_to_scene(const Client& client, const std:
   if (options.stop.stop_requested()) {
     return Error{Code::kCancelled, fmt::format("cancelled before {} was changed", name), {}};
   }
-  const auto puts = put_nodes(scene, blobs.digest, options, static_cast<NodeRef>(parent));
+  const auto puts = put_nodes(scene, blobs.digest, options, parent);
   const auto applied = client.apply_in_batches(name, std::vector<Update>(puts.begin(), puts.end()));
   if (!applied) return applied.error();
   return applied->nodes;

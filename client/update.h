@@ -9,14 +9,11 @@
 #include <variant>
 #include <vector>
 
+#include "client/node_ref.h"
 #include "client/result.h"
 #include "client/types.h"
 
 namespace sightline::client {
-
-/// A node's id (> 0), the negative alias that an earlier PutNode of the same batch gave to the
-/// node, or 0: none.
-using NodeRef = std::int64_t;
 
 /// Creates a node (`node` is a new negative alias), or replaces all attributes of a node (`node` is
 /// its id).
@@ -31,7 +28,7 @@ struct PutNode {
 };
 
 struct SetTransforms {
-  std::vector<NodeRef> nodes;
+  NodeRefs nodes;
   std::vector<Transform> parent_from_local;  ///< one per node
 };
 
@@ -43,7 +40,7 @@ struct DeleteNode {
 /// New positions for some vertices of a mesh; its faces stay. The nodes must have the same mesh.
 /// They share the new mesh; other nodes keep the old one.
 struct PatchVertices {
-  std::vector<NodeRef> nodes;
+  NodeRefs nodes;
   std::uint32_t first = 0;        ///< the first vertex that changes
   std::vector<Vertex> positions;  ///< in the mesh's frame
 };
@@ -63,6 +60,9 @@ struct ApplyOptions {
   /// Names the request, at most 48 bytes. A repeated request changes nothing and gets the first
   /// answer. Empty: a random name. In both cases a request whose answer is lost is sent again.
   std::string request_id{};
+  /// Ends the call with kCancelled, also beside the stop of a cast. The updates may be applied
+  /// nevertheless: repeat the request by its id, or read the scene's revision.
+  std::stop_token stop{};
 };
 
 struct PutSceneOptions {

@@ -5,8 +5,8 @@
 
 #include <utility>
 
+#include "client/calls/attempts.h"
 #include "client/calls/connection.h"
-#include "client/calls/retries.h"
 #include "client/wire/scene_codec.h"
 
 namespace sightline::client::calls {
@@ -51,23 +51,24 @@ class Packer {
   std::size_t total_ = 0;
 };
 
-Result<Applied> send_once(const Connection& connection, const v1::ApplyUpdatesRequest& request) {
-  const auto deadline = deadline_after(connection.small_timeout());
-  Retries retries(deadline);
+// A request is safe to repeat: each has an id, and the server applies an id once.
+constexpr Repeat kRepeat = Repeat::kRefusalsAndBreaks;
+
+Result<Applied> send(const Connection& connection, const v1::ApplyUpdatesRequest& request,
+                     const std::stop_token& stop) {
+  Attempts attempts(connection.small_timeout(), kRepeat);
   v1::ApplyUpdatesResponse response;
   while (true) {
     grpc::ClientContext context;
-    context.set_deadline(*deadline);
+    context.set_deadline(*attempts.deadline());
     set_route(context, request.scene());
+    const std::stop_callback cancel(stop, [&] { context.TryCancel(); });
     const grpc::Status status = connection.scenes->ApplyUpdates(&context, request, &response);
-    if (status.ok()) break;
-    if (!retries.wait(status, {})) return rpc_error(status);
+    if (status.ok()) return decode(response);
+    const auto pause = attempts.pause(status);
+    if (!pause) return rpc_error(status, stop);
+    if (!sleep_unless_stopped(*pause, stop)) return Error{Code::kCancelled, "cancelled", {}};
   }
-  return decode(response);
-}
-
-Result<Applied> send(const Connection& connection, const v1::ApplyUpdatesRequest& request) {
-  return send_until_answered([&] { return send_once(connection, request); });
 }
 
 // Fills messages with updates and sends them as they get full.
@@ -75,7 +76,8 @@ class Batches {
  public:
   Batches(const Connection& connection, const std::string& scene, const ApplyOptions& options)
       : connection_(connection),
-        id_(options.request_id.empty() ? random_request_id() : options.request_id) {
+        id_(options.request_id.empty() ? random_request_id() : options.request_id),
+        stop_(options.stop) {
     request_.set_scene(scene);
     if (options.expected_revision) request_.set_expected_revision(*options.expected_revision);
   }
@@ -97,7 +99,7 @@ class Batches {
   Status flush() {
     request_.set_request_id(sent_ == 0 ? id_ : fmt::format("{}/{}", id_, sent_));
     ++sent_;
-    auto applied = send(connection_, request_);
+    auto applied = send(connection_, request_, stop_);
     if (!applied) return applied.error();
     if (applied->nodes.size() != puts_.size()) {
       return Error{
@@ -124,6 +126,7 @@ class Batches {
  private:
   const Connection& connection_;
   std::string id_;
+  std::stop_token stop_;
   int sent_ = 0;
   v1::ApplyUpdatesRequest request_;
   wire::NodeAliases aliases_;
@@ -168,10 +171,10 @@ Result<v1::ApplyUpdatesRequest> encode_batch(std::span<const Update> updates,
 }
 
 Applied decode(const v1::ApplyUpdatesResponse& response) {
-  return Applied{response.revision().revision(),
-                 {response.nodes().begin(), response.nodes().end()},
-                 response.revision().token(),
-                 response.replayed()};
+  return {response.revision().revision(),
+          {response.nodes().begin(), response.nodes().end()},
+          response.revision().token(),
+          response.replayed()};
 }
 
 Result<Applied> apply(const Connection& connection, const std::string& scene,
@@ -179,7 +182,24 @@ Result<Applied> apply(const Connection& connection, const std::string& scene,
   auto request = encode_batch(updates, options);
   if (!request) return request.error();
   request->set_scene(scene);
-  return send(connection, *request);
+  return send(connection, *request, options.stop);
+}
+
+Begin<Applied> async_apply(const std::shared_ptr<const Connection>& connection,
+                           const std::string& scene, std::span<const Update> updates,
+                           const ApplyOptions& options) {
+  using Request = v1::ApplyUpdatesRequest;
+  using Response = v1::ApplyUpdatesResponse;
+  auto request = encode_batch(updates, options);
+  if (!request) return refused<Applied>(request.error());
+  request->set_scene(scene);
+  return unary_call<Applied, Request, Response>(
+      connection, connection->small_timeout(), kRepeat, {scene}, options.stop, *std::move(request),
+      [](const Connection& by, grpc::ClientContext& context, const Request& asked,
+         Response& response, std::function<void(grpc::Status)> ended) {
+        by.scenes->async()->ApplyUpdates(&context, &asked, &response, std::move(ended));
+      },
+      [](const Response& response) { return Result<Applied>(decode(response)); });
 }
 
 Result<Applied> apply_in_batches(const Connection& connection, const std::string& scene,

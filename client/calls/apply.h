@@ -3,12 +3,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
-#include <stop_token>
 #include <string>
 #include <vector>
 
-#include "client/calls/connection.h"
+#include "client/calls/unary_call.h"
 #include "client/result.h"
 #include "client/update.h"
 #include "sightline/v1/scene.pb.h"
@@ -34,21 +34,12 @@ Result<v1::ApplyUpdatesRequest> encode_batch(std::span<const Update> updates,
                                              const ApplyOptions& options);
 Applied decode(const v1::ApplyUpdatesResponse& response);
 
-/// Makes the same call, send(), again if the connection breaks. Its request has an id, so that the
-/// server applies it once.
-template <class Send>
-auto send_until_answered(const Send& send, const std::stop_token& stop = {}) {
-  constexpr int kAttempts = 4;
-  Backoff backoff(kAttempts);
-  while (true) {
-    auto answer = send();
-    if (answer || !is_broken_connection(answer.error().code) || !backoff.again()) return answer;
-    sleep_unless_stopped(backoff.pause(), stop);  // if stopped, the next call says so
-  }
-}
-
 Result<Applied> apply(const Connection& connection, const std::string& scene,
                       std::span<const Update> updates, const ApplyOptions& options);
+/// As apply(), begun later. Copies `updates`.
+Begin<Applied> async_apply(const std::shared_ptr<const Connection>& connection,
+                           const std::string& scene, std::span<const Update> updates,
+                           const ApplyOptions& options);
 Result<Applied> apply_in_batches(const Connection& connection, const std::string& scene,
                                  std::span<const Update> updates, const ApplyOptions& options);
 

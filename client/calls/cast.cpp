@@ -2,18 +2,18 @@
 #include "client/calls/cast.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdint>
-#include <optional>
+#include <functional>
+#include <memory>
 #include <utility>
 
 #include "client/calls/apply.h"
+#include "client/calls/attempts.h"
 #include "client/calls/cast_stream.h"
 #include "client/calls/columns.h"
 #include "client/calls/connection.h"
 #include "client/calls/message_source.h"
 #include "client/calls/query_calls.h"
-#include "client/calls/retries.h"
 #include "client/calls/segment_cast.h"
 #include "client/calls/side_check.h"
 #include "client/wire/cast_codec.h"
@@ -52,29 +52,31 @@ RequestOf<Columns> make_request(const std::string& scene, const Columns& rows,
   return request;
 }
 
-// Makes the call, again while the server refuses it for now.
+/// Makes the call, and repeats it.
 template <class Request>
-Result<typename CallsOf<Request>::Response> send(
-    const Connection& connection, const Request& request, const CastOptions& options,
-    std::optional<std::chrono::system_clock::time_point> deadline) {
-  Retries retries(deadline);
+Result<typename CallsOf<Request>::Response> send(const Connection& connection,
+                                                 const Request& request, const CastOptions& options,
+                                                 Repeat repeat) {
+  Attempts attempts(connection.timeout, repeat);
   typename CallsOf<Request>::Response response;
   while (true) {
     grpc::ClientContext context;
-    if (deadline) context.set_deadline(*deadline);
+    if (attempts.deadline()) context.set_deadline(*attempts.deadline());
     set_route(context, request.scene(), options.route_key);
     const std::stop_callback cancel(options.stop, [&] { context.TryCancel(); });
     const grpc::Status status =
         CallsOf<Request>::call(*connection.queries, context, request, response);
     if (status.ok()) return response;
-    if (!retries.wait(status, options.stop)) return rpc_error(status);
+    const auto pause = attempts.pause(status);
+    if (!pause || !sleep_unless_stopped(*pause, options.stop))
+      return rpc_error(status, options.stop);
   }
 }
 
-// Copies the answers to `count` rows.
+/// Copies the answers to n rays or points into `hits`.
 template <class Response>
-Result<CastReport> take(const Response& response, std::size_t count, const HitColumns& hits) {
-  const auto answers = wire::view_hits(response, fields_of(hits), count);
+Result<CastReport> read_response(const Response& response, std::size_t n, const HitColumns& hits) {
+  const auto answers = wire::view_hits(response, fields_of(hits), n);
   if (!answers) return answers.error();
   std::fill(hits.unanswered.begin(), hits.unanswered.end(), std::uint8_t{0});
   copy_hits(*answers, 0, hits);
@@ -89,13 +91,13 @@ template <class Columns>
 Result<CastReport> cast(const Connection& connection, const std::string& scene, const Columns& rows,
                         const HitColumns& hits, const CastOptions& options) {
   if (const Status checked = check(rows, hits, options); !checked) return checked.error();
-  const auto deadline = deadline_after(connection.timeout);
-  if (auto report = cast_in_segment(connection, scene, rows, hits, options, deadline))
+  if (auto report = cast_in_segment(connection, scene, rows, hits, options,
+                                    deadline_after(connection.timeout)))
     return *std::move(report);
   const auto response =
-      send(connection, make_request(scene, rows, hits, options), options, deadline);
+      send(connection, make_request(scene, rows, hits, options), options, Repeat::kRefusals);
   if (!response) return response.error();
-  return take(*response, rows.size(), hits);
+  return read_response(*response, rows.size(), hits);
 }
 
 template <class Columns>
@@ -108,9 +110,8 @@ Result<AppliedCast> apply_and_cast(const Connection& connection, const std::stri
   if (const Status checked = check(rows, hits, options); !checked) return checked.error();
   auto request = make_request(scene, rows, hits, options);
   *request.mutable_apply() = *std::move(batch);
-  const auto deadline = deadline_after(connection.timeout);
-  const auto response = send_until_answered(
-      [&] { return send(connection, request, options, deadline); }, options.stop);
+  // The batch has an id, so that the server applies it once.
+  const auto response = send(connection, request, options, Repeat::kRefusalsAndBreaks);
   if (!response) return response.error();
   // A server that does not know the updates casts without them.
   if (!response->has_applied()) {
@@ -119,9 +120,29 @@ Result<AppliedCast> apply_and_cast(const Connection& connection, const std::stri
                  "none",
                  {}};
   }
-  const auto report = take(*response, rows.size(), hits);
+  const auto report = read_response(*response, rows.size(), hits);
   if (!report) return report.error();
   return AppliedCast{decode(response->applied()), *report};
+}
+
+template <class Columns>
+Begin<CastReport> async_cast(const std::shared_ptr<const Connection>& connection,
+                             const std::string& scene, const Columns& rows, const HitColumns& hits,
+                             const CastOptions& options) {
+  using Request = RequestOf<Columns>;
+  using Response = typename CallsOf<Request>::Response;
+  if (const Status checked = check(rows, hits, options); !checked)
+    return refused<CastReport>(checked.error());
+  return unary_call<CastReport, Request, Response>(
+      connection, connection->timeout, Repeat::kRefusals, {scene, options.route_key}, options.stop,
+      make_request(scene, rows, hits, options),
+      [](const Connection& by, grpc::ClientContext& context, const Request& asked,
+         Response& response, std::function<void(grpc::Status)> ended) {
+        CallsOf<Request>::begin(*by.queries, context, asked, response, std::move(ended));
+      },
+      [n = rows.size(), hits](const Response& response) {
+        return read_response(response, n, hits);
+      });
 }
 
 template <class Columns>
@@ -216,6 +237,18 @@ template Result<AppliedCast> apply_and_cast(const Connection&, const std::string
                                             std::span<const Update>,
                                             const PointColumns<const double>&, const HitColumns&,
                                             const CastOptions&, const ApplyOptions&);
+template Begin<CastReport> async_cast(const std::shared_ptr<const Connection>&, const std::string&,
+                                      const RayColumns<const float>&, const HitColumns&,
+                                      const CastOptions&);
+template Begin<CastReport> async_cast(const std::shared_ptr<const Connection>&, const std::string&,
+                                      const RayColumns<const double>&, const HitColumns&,
+                                      const CastOptions&);
+template Begin<CastReport> async_cast(const std::shared_ptr<const Connection>&, const std::string&,
+                                      const PointColumns<const float>&, const HitColumns&,
+                                      const CastOptions&);
+template Begin<CastReport> async_cast(const std::shared_ptr<const Connection>&, const std::string&,
+                                      const PointColumns<const double>&, const HitColumns&,
+                                      const CastOptions&);
 
 template Result<CastReport> cast_source(const Connection&, const std::string&,
                                         const RaySource<float>&, RayShape, HitFields,

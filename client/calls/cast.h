@@ -2,9 +2,11 @@
 // the library.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string>
 
+#include "client/calls/unary_call.h"
 #include "client/cast_options.h"
 #include "client/client.h"
 #include "client/points.h"
@@ -14,13 +16,16 @@
 
 namespace sightline::client::calls {
 
-struct Connection;
-
 // Columns are RayColumns or PointColumns, of const float or const double; those of a source are not
 // const. A generator is a RayGenerator or a PointGrid.
 template <class Columns>
 Result<CastReport> cast(const Connection& connection, const std::string& scene, const Columns& rows,
                         const HitColumns& hits, const CastOptions& options);
+/// As cast(), begun later. Copies `rows`; the arrays of `hits` must live until it is done.
+template <class Columns>
+Begin<CastReport> async_cast(const std::shared_ptr<const Connection>& connection,
+                             const std::string& scene, const Columns& rows, const HitColumns& hits,
+                             const CastOptions& options);
 template <class Columns>
 Result<AppliedCast> apply_and_cast(const Connection& connection, const std::string& scene,
                                    std::span<const Update> updates, const Columns& rows,

@@ -12,6 +12,7 @@
 #include <mutex>
 #include <random>
 
+#include "client/calls/callback_scope.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 #include "proto/printable.h"
@@ -94,8 +95,8 @@ Result<std::shared_ptr<grpc::Channel>> open_channel(const Endpoint& endpoint,
   if (endpoint.is_local()) arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   if (const std::string authority = endpoint.authority(); !authority.empty())
     arguments.SetString(GRPC_ARG_DEFAULT_AUTHORITY, authority);
-  return grpc::experimental::CreateCustomChannelWithInterceptors(
-      *target, credentials.channel, arguments, send_token(credentials.token));
+  return released_outside_callbacks(grpc::experimental::CreateCustomChannelWithInterceptors(
+      *target, credentials.channel, arguments, send_token(credentials.token)));
 }
 
 std::optional<std::chrono::system_clock::time_point> deadline_after(

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <concepts>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -43,6 +44,21 @@ void set_timeout(grpc::ClientContext& context, std::optional<std::chrono::millis
 /// further.
 void set_route(grpc::ClientContext& context, const std::string& scene,
                const std::string& route_key = {});
+/// The scene that a request names; empty: none.
+template <class Request>
+std::string scene_of(const Request& request) {
+  if constexpr (requires {
+                  { request.scene() } -> std::convertible_to<std::string>;
+                }) {
+    return request.scene();
+  } else if constexpr (requires {
+                         { request.name() } -> std::convertible_to<std::string>;
+                       }) {
+    return request.name();
+  } else {
+    return {};
+  }
+}
 inline constexpr const char* kSceneHeader = "x-scene";
 inline constexpr const char* kRouteKeyHeader = "x-route-key";
 

@@ -6,6 +6,7 @@
 
 #include <utility>
 
+#include "client/calls/callback_scope.h"
 #include "client/calls/columns.h"
 #include "client/calls/connection.h"
 #include "client/calls/message_source.h"
@@ -40,6 +41,10 @@ PrefetchReport sum(const PrefetchReport& before, const v1::PrefetchResponse& res
   return report;
 }
 
+Error no_last_report() {
+  return {Code::kInternal, "the server ended a prefetch without its last report", {}};
+}
+
 // What is built stays: a call that is refused is repeated as it was.
 Result<PrefetchReport> call(const Connection& connection, const v1::PrefetchRequest& request,
                             const PrefetchReport& before, const std::stop_token& stop,
@@ -61,13 +66,74 @@ Result<PrefetchReport> call(const Connection& connection, const v1::PrefetchRequ
   if (!status.ok() && retries.wait(status, stop))
     return call(connection, request, before, stop, progress, retries);
   if (!status.ok()) return rpc_error(status, stop);
-  if (!done) {
-    return Error{Code::kInternal, "the server ended a prefetch without its last report", {}};
-  }
+  if (!done) return no_last_report();
   return report;
 }
 
+// An asynchronous call: gRPC passes each response to it.
+class PrefetchCall final : public AsyncOperation,
+                           private grpc::ClientReadReactor<v1::PrefetchResponse> {
+ public:
+  using Done = std::function<void(Result<PrefetchReport>)>;
+
+  PrefetchCall(const std::shared_ptr<const Connection>& connection, const std::string& scene,
+               const PrefetchOptions& options, PrefetchProgress progress)
+      : AsyncOperation(connection, connection->timeout, Repeat::kRefusals, {scene}, options.stop),
+        request_(describe(scene, options)),
+        progress_(std::move(progress)) {}
+
+  void begin(Done done) {
+    done_ = std::move(done);
+    AsyncOperation::begin();
+  }
+
+ private:
+  void start(grpc::ClientContext& context) override {
+    under_way_ = shared_from_this();
+    is_last_ = false;
+    connection().queries->async()->Prefetch(&context, &request_, this);
+    StartRead(&response_);
+    StartCall();
+  }
+
+  void OnReadDone(bool ok) noexcept override {
+    if (!ok) return;
+    const CallbackScope scope;
+    report_ = sum({}, response_);
+    is_last_ = response_.done();
+    if (progress_) progress_(report_);
+    StartRead(&response_);
+  }
+
+  void OnDone(const grpc::Status& status) override {
+    const CallbackScope scope;
+    const auto kept = std::move(under_way_);
+    ended(status);
+  }
+
+  void complete(const grpc::Status& status) override {
+    const Done done = std::move(done_);
+    if (!status.ok()) return done(rpc_error(status, stop()));
+    done(is_last_ ? Result<PrefetchReport>(report_) : no_last_report());
+  }
+
+  const v1::PrefetchRequest request_;
+  const PrefetchProgress progress_;
+  v1::PrefetchResponse response_;
+  PrefetchReport report_;
+  bool is_last_ = false;
+  std::shared_ptr<AsyncOperation> under_way_;  // this, until gRPC has done with it
+  Done done_;
+};
+
 }  // namespace
+
+Begin<PrefetchReport> async_prefetch(const std::shared_ptr<const Connection>& connection,
+                                     const std::string& scene, const PrefetchOptions& options,
+                                     PrefetchProgress progress) {
+  const auto call = std::make_shared<PrefetchCall>(connection, scene, options, std::move(progress));
+  return [call](PrefetchCall::Done done) { call->begin(std::move(done)); };
+}
 
 Result<PrefetchReport> prefetch(const Connection& connection, const std::string& scene,
                                 const PrefetchOptions& options, const PrefetchProgress& progress) {

@@ -1,8 +1,10 @@
 // Builds trees before rays come. Internal to the library.
 #pragma once
 
+#include <memory>
 #include <string>
 
+#include "client/calls/unary_call.h"
 #include "client/points.h"
 #include "client/prefetch.h"
 #include "client/ray_generator.h"
@@ -10,10 +12,12 @@
 
 namespace sightline::client::calls {
 
-struct Connection;
-
 Result<PrefetchReport> prefetch(const Connection& connection, const std::string& scene,
                                 const PrefetchOptions& options, const PrefetchProgress& progress);
+/// As prefetch(), begun later. gRPC's threads call `progress`.
+Begin<PrefetchReport> async_prefetch(const std::shared_ptr<const Connection>& connection,
+                                     const std::string& scene, const PrefetchOptions& options,
+                                     PrefetchProgress progress);
 
 /// Columns are RayColumns or PointColumns of float or double.
 template <class Columns>

@@ -2,7 +2,9 @@
 // to the library.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <utility>
 
 #include "client/calls/side_check.h"
 #include "client/cast_options.h"
@@ -34,6 +36,11 @@ struct CallsOf<v1::CastRaysRequest> {
                            const v1::CastRaysRequest& request, Response& response) {
     return stub.CastRays(&context, request, &response);
   }
+  static void begin(v1::RayQueryService::Stub& stub, grpc::ClientContext& context,
+                    const v1::CastRaysRequest& request, Response& response,
+                    std::function<void(grpc::Status)> ended) {
+    stub.async()->CastRays(&context, &request, &response, std::move(ended));
+  }
   static auto open(v1::RayQueryService::Stub& stub, grpc::ClientContext& context) {
     return stub.StreamCastRays(&context);
   }
@@ -55,6 +62,11 @@ struct CallsOf<v1::QueryPointsRequest> {
   static grpc::Status call(v1::RayQueryService::Stub& stub, grpc::ClientContext& context,
                            const v1::QueryPointsRequest& request, Response& response) {
     return stub.QueryPoints(&context, request, &response);
+  }
+  static void begin(v1::RayQueryService::Stub& stub, grpc::ClientContext& context,
+                    const v1::QueryPointsRequest& request, Response& response,
+                    std::function<void(grpc::Status)> ended) {
+    stub.async()->QueryPoints(&context, &request, &response, std::move(ended));
   }
   static auto open(v1::RayQueryService::Stub& stub, grpc::ClientContext& context) {
     return stub.StreamQueryPoints(&context);

@@ -61,10 +61,9 @@ Result<MovingCopy> MovingCopy::add(const Client& client, const std::string& scen
   const double radius =
       0.01 * std::hypot(bounds[3] - bounds[0], bounds[4] - bounds[1], bounds[5] - bounds[2]);
   std::vector<Update> updates;
-  for (const std::uint64_t node : nodes->left_over)
-    updates.emplace_back(DeleteNode{.node = static_cast<NodeRef>(node)});
+  for (const std::uint64_t node : nodes->left_over) updates.emplace_back(DeleteNode{.node = node});
   updates.emplace_back(PutNode{.node = -1,
-                               .parent = static_cast<NodeRef>(original.parent),
+                               .parent = original.parent,
                                .name = kName,
                                .parent_from_local = moved(original.parent_from_local, radius, 0),
                                .mesh_digest = original.mesh_digest,
@@ -84,7 +83,7 @@ MovingCopy::MovingCopy(MovingCopy&& other) noexcept
 
 MovingCopy::~MovingCopy() {
   if (node_ == 0) return;
-  const std::array<Update, 1> updates{DeleteNode{.node = static_cast<NodeRef>(node_)}};
+  const std::array<Update, 1> updates{DeleteNode{.node = node_}};
   static_cast<void>(client_->apply(scene_, updates));
 }
 
@@ -92,7 +91,7 @@ Status MovingCopy::move(const Client& client) {
   constexpr double kStepsPerTurn = 64;
   const double angle = 2 * std::numbers::pi * static_cast<double>(++steps_) / kStepsPerTurn;
   SetTransforms update;
-  update.nodes.push_back(static_cast<NodeRef>(node_));
+  update.nodes.push_back(node_);
   update.parent_from_local.push_back(
       moved(middle_, radius_ * std::cos(angle), radius_ * std::sin(angle)));
   const std::array<Update, 1> updates{std::move(update)};

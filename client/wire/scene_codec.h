@@ -37,7 +37,7 @@ class NodeAliases {
  public:
   NodeRef resolve(NodeRef ref) const {
     const auto found = ids_.find(ref);
-    return found == ids_.end() ? ref : static_cast<NodeRef>(found->second);
+    return found == ids_.end() ? ref : NodeRef(found->second);
   }
   void add(NodeRef alias, std::uint64_t id) { ids_.emplace(alias, id); }
 

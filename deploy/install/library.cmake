@@ -4,7 +4,8 @@ include(CMakePackageConfigHelpers)
 # In the sources a path begins with client/ or proto/, which other projects have too. The installed headers are
 # <sightline/client/client.h> and so on, and include each other by those names.
 set(headers
-  client/backup.h client/cast_options.h client/client.h client/mesh_blob.h client/points.h client/prefetch.h client/ray_generator.h
+  client/async_call.h client/async_client.h client/backup.h client/cast_options.h client/client.h client/mesh_blob.h client/node_ref.h client/points.h
+  client/prefetch.h client/ray_generator.h
   client/importer/imported_scene.h client/result.h client/scene_info.h client/scene_upload.h client/shared_memory.h client/types.h client/update.h client/update_stream.h
   proto/rays/generator.h proto/rays/point_grid.h proto/result.h)
 set(renamed ${CMAKE_CURRENT_BINARY_DIR}/include)

@@ -7,6 +7,7 @@ import re
 from sources import PRODUCT, code, comments, cpp_files, line_of, pages, read
 
 WORDS = pathlib.Path(__file__).with_name("words.txt")
+OF_THE_LANGUAGE = {"promise_type"}
 
 
 @functools.cache
@@ -64,11 +65,11 @@ def better_name(identifier):
 
 
 def names_in(text):
-    """The first use of each such name in code. What a package has named is let alone."""
+    """The first use of each such name in code. What a package or the language has named is let alone."""
     seen = set()
     for match in re.finditer(r"\b(?:(?:std|tbb|hn|hwy|grpc|google)::)?([A-Za-z_]\w*)", text):
         name = match[1]
-        if "::" not in match[0] and name not in seen and better_name(name):
+        if "::" not in match[0] and name not in seen | OF_THE_LANGUAGE and better_name(name):
             seen.add(name)
             yield line_of(text, match.start()), name, better_name(name)
 

@@ -18,6 +18,8 @@
 namespace sightline::client::cli::files {
 namespace {
 
+constexpr std::int64_t kAnyNode = std::numeric_limits<std::int64_t>::min();
+
 const std::map<std::string, Mobility> kMobilities{
     {"static", Mobility::kStatic},        {"rigid", Mobility::kRigid},
     {"deforming", Mobility::kDeforming},  {"MOBILITY_STATIC", Mobility::kStatic},
@@ -69,10 +71,10 @@ class Fields {
     return found == kMobilities.end() ? Mobility::kStatic : found->second;
   }
 
-  std::vector<NodeRef> nodes(const char* key) {
-    std::vector<NodeRef> out;
+  NodeRefs nodes(const char* key) {
+    NodeRefs out;
     for (const Json& each : list(key)) {
-      const auto node = as_integer<NodeRef>(each, std::numeric_limits<NodeRef>::min());
+      const auto node = as_integer<std::int64_t>(each, kAnyNode);
       if (!node) complain(key, "holds what is no node");
       out.push_back(node.value_or(0));
     }
@@ -174,14 +176,12 @@ class Fields {
   std::optional<std::string> problem_;
 };
 
-constexpr NodeRef kAnyNode = std::numeric_limits<NodeRef>::min();
-
 Result<Update> put_node(const Json& object) {
   Fields fields(object, "put_node",
                 {"node", "parent", "name", "transform", "mesh_digest", "mobility", "mask"});
   PutNode put;
-  put.node = fields.integer<NodeRef>("node", kAnyNode);
-  put.parent = fields.integer<NodeRef>("parent", kAnyNode, 0);
+  put.node = fields.integer<std::int64_t>("node", kAnyNode);
+  put.parent = fields.integer<std::int64_t>("parent", kAnyNode, 0);
   put.name = fields.text("name");
   put.parent_from_local = fields.transform("transform");
   put.mesh_digest = fields.text("mesh_digest");
@@ -202,7 +202,7 @@ Result<Update> set_transforms(const Json& object) {
 
 Result<Update> delete_node(const Json& object) {
   Fields fields(object, "delete_node", {"node", "subtree"});
-  const DeleteNode deleted{fields.integer<NodeRef>("node", kAnyNode), fields.flag("subtree")};
+  const DeleteNode deleted{fields.integer<std::int64_t>("node", kAnyNode), fields.flag("subtree")};
   return fields.finish(deleted);
 }
 
@@ -213,11 +213,14 @@ Result<Update> patch_vertices(const Json& object) {
   return fields.finish(std::move(patch));
 }
 
+std::vector<std::int64_t> numbers_of(const NodeRefs& nodes) { return {nodes.begin(), nodes.end()}; }
+
 struct ToJson {
   bool positions;
 
   Json operator()(const PutNode& put) const {
-    Json node{{"node", put.node}, {"parent", put.parent}, {"name", put.name}};
+    Json node{
+        {"node", std::int64_t{put.node}}, {"parent", std::int64_t{put.parent}}, {"name", put.name}};
     if (put.parent_from_local != kIdentity) node["transform"] = put.parent_from_local;
     if (!put.mesh_digest.empty()) node["mesh_digest"] = put.mesh_digest;
     node["mobility"] = name_of(put.mobility);
@@ -225,13 +228,14 @@ struct ToJson {
     return {{"put_node", node}};
   }
   Json operator()(const SetTransforms& set) const {
-    return {{"set_transforms", {{"nodes", set.nodes}, {"matrices", set.parent_from_local}}}};
+    return {{"set_transforms",
+             {{"nodes", numbers_of(set.nodes)}, {"matrices", set.parent_from_local}}}};
   }
   Json operator()(const DeleteNode& deleted) const {
-    return {{"delete_node", {{"node", deleted.node}, {"subtree", deleted.subtree}}}};
+    return {{"delete_node", {{"node", std::int64_t{deleted.node}}, {"subtree", deleted.subtree}}}};
   }
   Json operator()(const PatchVertices& patch) const {
-    Json vertices{{"nodes", patch.nodes}, {"first", patch.first}};
+    Json vertices{{"nodes", numbers_of(patch.nodes)}, {"first", patch.first}};
     if (positions) {
       vertices["positions"] = patch.positions;
     } else {

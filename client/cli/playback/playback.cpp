@@ -178,14 +178,14 @@ std::vector<Update> FrameUpdates::make(const importer::Pose& pose) {
     const auto [known, is_new] = transforms_.try_emplace(id, placed.parent_from_local);
     if (!is_new && known->second == placed.parent_from_local) continue;
     known->second = placed.parent_from_local;
-    set.nodes.push_back(static_cast<NodeRef>(id));
+    set.nodes.push_back(id);
     set.parent_from_local.push_back(placed.parent_from_local);
   }
   if (!set.nodes.empty()) updates.emplace_back(std::move(set));
   for (const importer::Pose::Shaped& shaped : pose.shaped) {
     PatchVertices patch;
     for (const std::uint32_t node : shaped.nodes) {
-      if (ids_[node] != 0) patch.nodes.push_back(static_cast<NodeRef>(ids_[node]));
+      if (ids_[node] != 0) patch.nodes.push_back(ids_[node]);
     }
     if (patch.nodes.empty()) continue;
     std::vector<Vertex>& known = vertices_[static_cast<std::uint64_t>(patch.nodes[0])];

@@ -1,4 +1,5 @@
 // Makes a scene of one square, casts a ray at it, and removes it: consumer ENDPOINT.
+#include <sightline/client/async_client.h>
 #include <sightline/client/client.h>
 #include <sightline/client/importer/imported_scene.h>
 #include <sightline/client/scene_upload.h>
@@ -43,7 +44,10 @@ int main(int argc, char** argv) {
   std::vector<double> t(1);
   std::vector<std::uint32_t> primitive(1);
   const client::RayColumns<const double> rays{.origins = origins, .directions = directions};
-  const auto report = server->cast(kScene, rays, {.t = t, .primitive = primitive});
+  const client::HitColumns hits{.t = t, .primitive = primitive};
+  const client::AsyncClient async(*server);
+  if (!succeeded(async.cast(kScene, rays, hits).future().get())) return 1;
+  const auto report = server->cast(kScene, rays, hits);
   if (!succeeded(report) || !succeeded(server->delete_scene(kScene))) return 1;
 
   std::printf("%d hit, t %g, primitive %d\n", static_cast<int>(report->hits), t[0],

@@ -1,0 +1,35 @@
+// A deleter that asks where it runs.
+#include "client/calls/callback_scope.h"
+
+#include <system_error>
+#include <thread>
+#include <utility>
+
+namespace sightline::client::calls {
+namespace {
+
+using Channel = std::shared_ptr<grpc::Channel>;
+
+void release_on_a_thread(Channel channel) noexcept {
+  auto* const kept = new Channel(std::move(channel));
+  try {
+    std::thread([kept] { delete kept; }).detach();
+  } catch (const std::system_error&) {
+    // Without a thread the channel stays until the process ends.
+  }
+}
+
+}  // namespace
+
+Channel released_outside_callbacks(Channel channel) {
+  grpc::Channel* const plain = channel.get();
+  return {plain, [owned = std::move(channel)](grpc::Channel*) mutable {
+            if (CallbackScope::is_here()) {
+              release_on_a_thread(std::move(owned));
+            } else {
+              owned.reset();
+            }
+          }};
+}
+
+}  // namespace sightline::client::calls
