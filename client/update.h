@@ -60,8 +60,8 @@ struct ApplyOptions {
   /// Names the request, at most 48 bytes. A repeated request changes nothing and gets the first
   /// answer. Empty: a random name. In both cases a request whose answer is lost is sent again.
   std::string request_id{};
-  /// Ends the call with kCancelled, also beside the stop of a cast. The updates may be applied
-  /// nevertheless: repeat the request by its id, or read the scene's revision.
+  /// Ends the call with kCancelled. The updates may be applied nevertheless: repeat the request by
+  /// its id, or read the scene's revision. With a cast that has a stop of its own, that one counts.
   std::stop_token stop{};
 };
 

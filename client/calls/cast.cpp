@@ -111,7 +111,9 @@ Result<AppliedCast> apply_and_cast(const Connection& connection, const std::stri
   auto request = make_request(scene, rows, hits, options);
   *request.mutable_apply() = *std::move(batch);
   // The batch has an id, so that the server applies it once.
-  const auto response = send(connection, request, options, Repeat::kRefusalsAndBreaks);
+  CastOptions stopped = options;
+  if (!stopped.stop.stop_possible()) stopped.stop = apply_options.stop;
+  const auto response = send(connection, request, stopped, Repeat::kRefusalsAndBreaks);
   if (!response) return response.error();
   // A server that does not know the updates casts without them.
   if (!response->has_applied()) {
