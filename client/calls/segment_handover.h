@@ -25,7 +25,7 @@ class Mapping {
 
  private:
   struct Unmap {
-    std::uint64_t bytes = 0;
+    std::uint64_t bytes;
     void operator()(std::byte* data) const;
   };
 

@@ -11,8 +11,8 @@
 namespace sightline::client::calls {
 namespace {
 
-constexpr std::chrono::milliseconds kFirstPause{1000};
-constexpr std::chrono::milliseconds kLongestPause{60'000};
+constexpr std::chrono::milliseconds kFirstAskPause{1000};
+constexpr std::chrono::milliseconds kLongestAskPause{60'000};
 constexpr std::chrono::seconds kLongestWait{5};  // for an answer to a call without work
 
 std::chrono::system_clock::time_point end_of(const SegmentWait& wait) {
@@ -23,7 +23,7 @@ std::chrono::system_clock::time_point end_of(const SegmentWait& wait) {
 }  // namespace
 
 SegmentPool::SegmentPool(std::shared_ptr<grpc::Channel> channel, std::string refusal)
-    : channel_(std::move(channel)), refusal_(std::move(refusal)), pause_(kFirstPause) {}
+    : channel_(std::move(channel)), refusal_(std::move(refusal)), pause_(kFirstAskPause) {}
 
 std::string SegmentPool::refusal_of(const Endpoint& endpoint, const ClientOptions& options) {
   if (!options.use_segments) return "ClientOptions::use_segments is off";
@@ -85,7 +85,7 @@ std::optional<SegmentBlock> SegmentPool::take(std::uint64_t bytes, const Segment
   const std::lock_guard lock(mutex_);
   pool_.push_back(*opened);
   failure_.clear();
-  pause_ = kFirstPause;
+  pause_ = kFirstAskPause;
   if (data == nullptr) return std::nullopt;
   return SegmentBlock{*opened, std::move(data)};
 }
@@ -110,7 +110,7 @@ void SegmentPool::note_failure(const Error& error) {
   failure_ = error.message.empty() ? name_of(error.code) : error.message;
   limits_.reset();
   ask_again_ = Clock::now() + pause_;
-  pause_ = std::min(2 * pause_, kLongestPause);
+  pause_ = std::min(2 * pause_, kLongestAskPause);
 }
 
 Result<std::shared_ptr<Segment>> SegmentPool::share(std::uint64_t bytes) {
@@ -151,7 +151,7 @@ void SegmentPool::lose(Segment& segment) {
   segment.lose();
   const std::lock_guard lock(mutex_);
   limits_.reset();
-  pause_ = kFirstPause;
+  pause_ = kFirstAskPause;
   ask_again_ = {};
 }
 
