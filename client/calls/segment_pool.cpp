@@ -35,7 +35,7 @@ std::string SegmentPool::refusal_of(const Endpoint& endpoint, const ClientOption
 std::optional<SegmentLimits> SegmentPool::limits(const SegmentWait& wait) {
   if (!refusal_.empty()) return std::nullopt;
   if (const auto known = known_limits()) return known;
-  const std::unique_lock asking(asking_, std::try_to_lock);
+  const std::unique_lock asking(asking_, end_of(wait));
   if (!asking) return std::nullopt;
   if (const auto known = known_limits()) return known;
   if (!may_ask()) return std::nullopt;

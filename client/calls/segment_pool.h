@@ -38,9 +38,10 @@ struct SegmentWait {
   std::stop_token stop{};
 };
 
-/// Opens segments when casts need them. A thread that would wait for another one, or for room, gets
-/// none instead. After a failure the server is asked again a second later, and later each time.
-/// Threads: any, for every member.
+/// Opens segments when casts need them. A thread that would wait for room, or for another one that
+/// opens a segment, gets none instead; what the server offers is asked once, and waited for. After
+/// a failure the server is asked again a second later, and later each time. Threads: any, for every
+/// member.
 class SegmentPool {
  public:
   static constexpr std::uint64_t kSegmentBytes = std::uint64_t{32} << 20;
@@ -83,8 +84,8 @@ class SegmentPool {
   const std::shared_ptr<grpc::Channel> channel_;
   const std::string refusal_;
   std::atomic<bool> has_shared_ = false;
-  std::mutex asking_;  ///< Held by the thread that waits for the server.
-  std::mutex mutex_;   ///< For all below.
+  std::timed_mutex asking_;  ///< Held by the thread that waits for the server.
+  std::mutex mutex_;         ///< For all below.
   std::optional<SegmentLimits> limits_;
   std::vector<std::shared_ptr<Segment>> pool_;
   std::vector<std::weak_ptr<Segment>> users_;

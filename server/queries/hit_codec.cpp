@@ -187,6 +187,8 @@ HitColumns view_hits(v1::CastRaysResponse& reply, std::size_t first, std::size_t
   hits.size = rays;
   for (v1::HitColumn& column : *reply.mutable_columns())
     view_column(column.field(), column.mutable_data()->data(), first, hits);
+  // Those of rays that do not exist are not written.
+  if (hits.bits != nullptr && rays % kRaysPerBitsByte != 0) hits.bits[rays / kRaysPerBitsByte] = 0;
   return hits;
 }
 

@@ -27,6 +27,7 @@ Result<SegmentRange> check_range(std::string_view name, std::uint64_t begin, std
 
 Status check_disjoint(const SegmentRange& range, std::span<const SegmentRange> others) {
   for (const SegmentRange& other : others) {
+    if (range.bytes == 0 || other.bytes == 0) continue;
     if (range.begin >= other.end() || other.begin >= range.end()) continue;
     return exec::invalid_argument(
         fmt::format("column {}, bytes {} to {} of the segment, overlaps {}, bytes {} to {}",

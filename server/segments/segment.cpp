@@ -66,7 +66,7 @@ Segment::Segment(net::Descriptor descriptor, std::byte* data, std::uint64_t size
 
 Segment::~Segment() {
   // The server has touched the pages first, so the system counts them as the server's.
-  madvise(data_, size_, MADV_REMOVE);
+  if (!leaves_pages_) madvise(data_, size_, MADV_REMOVE);
   munmap(data_, size_);
 }
 

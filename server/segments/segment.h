@@ -1,6 +1,7 @@
 // Memory that a client on this machine shares with the server.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -17,7 +18,7 @@ namespace sightline::server::segments {
 /// time: what is read is copied first, and what is written is not read back.
 ///
 /// The destructor gives the pages back to the system, also if a client keeps the descriptor or a
-/// mapping: it then finds zeros, in pages of its own account.
+/// mapping: it then finds zeros, in pages of its own account. After leave_pages() it does not.
 ///
 /// Threads: any, for every member.
 class Segment {
@@ -40,6 +41,10 @@ class Segment {
   /// What clients get. It stays open as long as the segment lives.
   int descriptor() const { return descriptor_.number(); }
 
+  /// What clients have written stays theirs. For a process that ends: it does not account for the
+  /// pages any more.
+  void leave_pages() const { leaves_pages_ = true; }
+
   /// Copies bytes, which the segment has.
   void read(std::uint64_t offset, void* to, std::size_t bytes) const;
   void write(std::uint64_t offset, const void* from, std::size_t bytes) const;
@@ -53,6 +58,7 @@ class Segment {
   std::byte* const data_;
   const std::uint64_t size_;
   const std::string principal_;
+  mutable std::atomic<bool> leaves_pages_{false};
 };
 
 /// Bytes of a page; sizes of segments are multiples of it.

@@ -15,13 +15,13 @@ namespace {
 using ImportArrays = tests::LiveClient;
 using tests::kScene;
 
-const std::vector<float> kVertices{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
-const std::vector<std::uint32_t> kFaces{0, 1, 2, 0, 2, 3};
+const std::vector<float> kCorners{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+const std::vector<std::uint32_t> kTriangles{0, 1, 2, 0, 2, 3};
 const std::vector<Vertex> kVertexRows{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
 const std::vector<Face> kFaceRows{{0, 1, 2}, {0, 2, 3}};
 
 TEST_F(ImportArrays, ArraysAreHit) {
-  const auto made = client_.import_arrays(kScene, kVertices, kFaces,
+  const auto made = client_.import_arrays(kScene, kCorners, kTriangles,
                                           {.up_axis = UpAxis::kZ, .meters_per_unit = 2});
   ASSERT_TRUE(made) << made.error().message;
   EXPECT_EQ(made->revision, 1U);
@@ -40,7 +40,7 @@ TEST_F(ImportArrays, ArraysAreHit) {
 }
 
 TEST_F(ImportArrays, RowsAndNumbersAreTheSameMesh) {
-  ASSERT_TRUE(client_.import_arrays(kScene, kVertices, kFaces));
+  ASSERT_TRUE(client_.import_arrays(kScene, kCorners, kTriangles));
   const char* const other = "projects/default/scenes/rows";
   ASSERT_TRUE(client_.import_arrays(other, kVertexRows, kFaceRows));
   const std::vector<std::uint64_t> id{1};
@@ -66,15 +66,15 @@ TEST_F(ImportArrays, WhatIsNoMeshIsNotSent) {
     EXPECT_FALSE(made);
     return made ? Error{} : made.error();
   };
-  Error error = error_of({1, 2, 3, 4}, kFaces);
+  Error error = error_of({1, 2, 3, 4}, kTriangles);
   EXPECT_EQ(error.code, Code::kInvalidArgument);
   EXPECT_EQ(error.message, "vertices have 4 numbers: not 3 each");
-  EXPECT_EQ(error_of(kVertices, {0, 1}).message, "faces have 2 numbers: not 3 each");
-  error = error_of(kVertices, {0, 1, 2, 0, 4, 3});
+  EXPECT_EQ(error_of(kCorners, {0, 1}).message, "faces have 2 numbers: not 3 each");
+  error = error_of(kCorners, {0, 1, 2, 0, 4, 3});
   EXPECT_EQ(error.message, "face 1 has vertex 4, but there are 4 vertices");
   EXPECT_EQ(error.reason, "NO_SUCH_VERTEX");
-  EXPECT_EQ(error_of(kVertices, {0, 1, kNoVertex}).reason, "NO_SUCH_VERTEX");
-  EXPECT_EQ(error_of(kVertices, {}).reason, "NO_FACES");
+  EXPECT_EQ(error_of(kCorners, {0, 1, kNoVertex}).reason, "NO_SUCH_VERTEX");
+  EXPECT_EQ(error_of(kCorners, {}).reason, "NO_FACES");
   EXPECT_EQ(client_.get_scene(kScene).error().code, Code::kNotFound);
 }
 

@@ -89,18 +89,32 @@ Verb add_verb_remote(CLI::App& app) {
       ->check(CLI::IsMember({"rich", "t", "bits", "generated"}));
   verb.add_flag("--points", options->points,
                 "The faces nearest to the rays' origins instead; none of generated rays");
+  verb.add_flag("--segments", options->segments,
+                "By one client at a Unix socket, through memory that it shares with the server");
   verb.add_flag("--echo", options->echo, "And casts of one ray beside an echo service");
   return [options](const CommonOptions& common) { return run_remote(common, *options); };
+}
+
+Verb add_verb_tick(CLI::App& app) {
+  auto options = std::make_shared<TickOptions>();
+  CLI::App& verb = *app.add_subcommand(
+      "tick", "Ticks of a game at a server: agents move, and rays say what they see");
+  verb.add_option("--agents", options->agents, "Cubes that move each tick")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{10'000}));
+  verb.add_option("--rays", options->rays, "Any-hit rays of a tick")
+      ->check(CLI::Range(std::size_t{1}, client::kRaysPerMessage));
+  verb.add_option("--ticks", options->ticks, "How many of each way")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000}));
+  verb.add_option("--rate", options->rate, "Ticks a second")->check(CLI::Range(1.0, 1e4));
+  return [options](const CommonOptions& common) { return run_tick(common, *options); };
 }
 
 }  // namespace
 
 Verbs add_motion_verbs(CLI::App& app) {
-  return {{"dynamic", add_verb_dynamic(app)},
-          {"two-trees", add_verb_two_trees(app)},
-          {"updates", add_verb_updates(app)},
-          {"scattered", add_verb_scattered(app)},
-          {"remote", add_verb_remote(app)}};
+  return {{"dynamic", add_verb_dynamic(app)}, {"two-trees", add_verb_two_trees(app)},
+          {"updates", add_verb_updates(app)}, {"scattered", add_verb_scattered(app)},
+          {"remote", add_verb_remote(app)},   {"tick", add_verb_tick(app)}};
 }
 
 }  // namespace sightline::bench

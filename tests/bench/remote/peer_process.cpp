@@ -42,15 +42,22 @@ double processor_seconds(pid_t process) {
 Result<std::unique_ptr<PeerProcess>> PeerProcess::start(const std::string& program,
                                                         const std::vector<std::string>& arguments) {
   std::unique_ptr<PeerProcess> peer(new PeerProcess(program, arguments));
-  peer->port_ = peer->process_.rest_of_line(" port=");
-  peer->port_ = peer->port_.substr(0, peer->port_.find_first_not_of("0123456789"));
-  if (!peer->port_.empty()) return peer;
+  const std::string line = peer->process_.rest_of_line(" port=");
+  const std::string port = line.substr(0, line.find_first_not_of("0123456789"));
+  peer->endpoint_ = "127.0.0.1:" + port;
+  if (!port.empty()) return peer;
   return Error{Code::kFailedPrecondition, program + " does not start: " + peer->process_.output(),
                "NO_PEER"};
 }
 
-Result<std::unique_ptr<PeerProcess>> PeerProcess::start_server(int threads) {
-  return start(SIGHTLINED, {"--listen", "127.0.0.1:0", "--threads", std::to_string(threads)});
+Result<std::unique_ptr<PeerProcess>> PeerProcess::start_server(int threads, bool unix_socket) {
+  const std::string path = "unix:" + (std::filesystem::temp_directory_path() /
+                                      ("sightline-bench-" + std::to_string(getpid()) + ".sock"))
+                                         .string();
+  auto peer = start(SIGHTLINED, {"--listen", unix_socket ? path : "127.0.0.1:0", "--threads",
+                                 std::to_string(threads)});
+  if (peer && unix_socket) (*peer)->endpoint_ = path;
+  return peer;
 }
 
 Result<std::unique_ptr<PeerProcess>> PeerProcess::start_echo() {

@@ -21,12 +21,13 @@ double processor_seconds(pid_t process);
 /// Threads: one.
 class PeerProcess {
  public:
-  /// The server of this build, with this number of workers for queries.
-  static Result<std::unique_ptr<PeerProcess>> start_server(int threads);
+  /// The server of this build, with this number of workers for queries, at a port or at a Unix
+  /// socket.
+  static Result<std::unique_ptr<PeerProcess>> start_server(int threads, bool unix_socket = false);
   /// The service of echo_service.h.
   static Result<std::unique_ptr<PeerProcess>> start_echo();
 
-  std::string endpoint() const { return "127.0.0.1:" + port_; }
+  const std::string& endpoint() const { return endpoint_; }
   pid_t id() const { return process_.id(); }
   double processor_seconds() const { return bench::processor_seconds(process_.id()); }
 
@@ -37,7 +38,7 @@ class PeerProcess {
                                                     const std::vector<std::string>& arguments);
 
   tests::ChildProcess process_;
-  std::string port_;
+  std::string endpoint_;
 };
 
 }  // namespace sightline::bench

@@ -39,7 +39,8 @@ struct RemoteLoad {
   int clients = 1;           ///< Each with a connection and a stream of its own.
   std::size_t batch = 8192;  ///< Rays of a message, at most client::kRaysPerMessage.
   RemoteAnswer answer = RemoteAnswer::kRich;
-  bool points = false;  ///< Asks for the faces nearest to the rays' origins, within tmax.
+  bool points = false;    ///< Asks for the faces nearest to the rays' origins, within tmax.
+  bool segments = false;  ///< See SharedCast.
 };
 
 /// Casts all rays, each client an equal part of them. `batch_us` gets the time from each message's

@@ -179,8 +179,16 @@ struct RemoteOptions {
   int clients = 1;           ///< Each with a connection and a stream of its own.
   std::size_t batch = 8192;  ///< Rays of a message.
   std::vector<std::string> columns{"rich", "t", "bits", "generated"};
-  bool points = false;  ///< Asks for the faces nearest to the rays' origins; none are generated.
-  bool echo = false;    ///< And the latency of one ray, beside an echo service.
+  bool points = false;    ///< Asks for the faces nearest to the rays' origins; none are generated.
+  bool segments = false;  ///< By one client, through memory that it shares with the server.
+  bool echo = false;      ///< And the latency of one ray, beside an echo service.
+};
+
+struct TickOptions {
+  std::size_t agents = 50;
+  std::size_t rays = 200;
+  std::size_t ticks = 600;
+  double rate = 30;  ///< A second.
 };
 
 struct ChartOptions {

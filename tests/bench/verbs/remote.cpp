@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 
 #include "client/client.h"
 #include "tests/bench/remote/echo_service.h"
@@ -12,6 +13,7 @@
 #include "tests/bench/remote/remote_cast.h"
 #include "tests/bench/remote/remote_latency.h"
 #include "tests/bench/remote/remote_rays.h"
+#include "tests/bench/remote/shared_cast.h"
 #include "tests/bench/remote/upload.h"
 #include "tests/bench/verbs/verbs.h"
 #include "tests/bench/verbs/workload.h"
@@ -73,16 +75,28 @@ Status measure(const scenegraph::revision::Snapshot& snapshot, const PeerProcess
     const auto traced = scenegraph::trace(snapshot, rays.in_process, expected, options_of(load));
     return traced ? Status() : Status(traced.error());
   };
-  const auto remote = [&] { return cast_remotely(rays, load, hits, measured.batch_us); };
+  std::unique_ptr<SharedCast> shared;
+  if (load.segments) {
+    auto made = SharedCast::make(rays, load);
+    if (!made) return made.error();
+    shared = *std::move(made);
+  }
+  const auto remote = [&] {
+    return shared != nullptr ? shared->cast() : cast_remotely(rays, load, hits, measured.batch_us);
+  };
+  const auto compare = [&] {
+    if (shared != nullptr) shared->copy_to(hits);
+    return hits.compare(expected);
+  };
   if (Status done = in_process(); !done) return done;
   if (Status done = remote(); !done) return done;
-  if (Status right = hits.compare(expected); !right) return right;
+  if (Status right = compare(); !right) return right;
   measured.batch_us.clear();
   for (int i = 0; i < repeats; ++i) {
     if (Status done = measured.in_process.measure(server, in_process); !done) return done;
     if (Status done = measured.remote.measure(server, remote); !done) return done;
   }
-  return hits.compare(expected);
+  return compare();
 }
 
 Row row_of(const CommonOptions& common, const RemoteOptions& options, const Case& kind,
@@ -99,7 +113,9 @@ Row row_of(const CommonOptions& common, const RemoteOptions& options, const Case
   row["columns"] = kind.name;
   row["threads"] = common.threads;
   row["clients"] = options.clients;
-  row["batch"] = kind.generated ? client::kGeneratedRaysPerMessage : options.batch;
+  row["transport"] = options.segments ? "segments" : "messages";
+  if (!options.segments)
+    row["batch"] = kind.generated ? client::kGeneratedRaysPerMessage : options.batch;
   row["mrays_per_s"] = rays / median(measured.remote.seconds) / 1e6;
   row["in_process_mrays_per_s"] = rays / median(measured.in_process.seconds) / 1e6;
   row["throughput_share"] = median(measured.in_process.seconds) / median(measured.remote.seconds);
@@ -123,7 +139,7 @@ Result<std::vector<Row>> run_remote(const CommonOptions& common, const RemoteOpt
   const auto snapshot = assemble(*scene, accel::published::default_builder());
   if (!snapshot) return snapshot.error();
   if (const auto built = scenegraph::build_all(**snapshot); !built) return built.error();
-  const auto server = PeerProcess::start_server(common.threads);
+  const auto server = PeerProcess::start_server(common.threads, options.segments);
   if (!server) return server.error();
   const auto client = client::Client::connect((*server)->endpoint());
   if (!client) return error_of(client.error());
@@ -142,7 +158,8 @@ Result<std::vector<Row>> run_remote(const CommonOptions& common, const RemoteOpt
                           .clients = options.clients,
                           .batch = options.batch,
                           .answer = kind.answer,
-                          .points = options.points};
+                          .points = options.points,
+                          .segments = options.segments};
     const Status done = measure(**snapshot, **server, kind.generated ? picture : sent, load,
                                 common.repeat, measured);
     if (!done) return done.error();

@@ -103,6 +103,7 @@ inline constexpr int kMostAnswerThreads = 8;
 /// each kind of answer, and one for generated rays. `cpu_ns_per_ray` is the processor time of both
 /// processes. Every answer is compared first.
 Result<std::vector<Row>> run_remote(const CommonOptions& common, const RemoteOptions& options);
+Result<std::vector<Row>> run_tick(const CommonOptions& common, const TickOptions& options);
 
 /// The faces nearest to points over full trees, and by Embree's point queries (MEDIUM, ROBUST, a
 /// callback in floats) over the same, a row for each kind of points; sums of the least times of

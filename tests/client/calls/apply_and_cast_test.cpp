@@ -18,18 +18,18 @@ namespace {
 using tests::DownwardRays;
 using tests::kScene;
 
-constexpr std::uint32_t kCopies = 5;
+constexpr std::uint32_t kSheets = 5;
 constexpr std::size_t kRays = 200;
 
 /// Sheets of which the upper one, z = 1, is seen from z = 5.
 class ApplyAndCast : public tests::LiveClient {
  protected:
-  ApplyAndCast() { EXPECT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(kCopies), {})); }
+  ApplyAndCast() { EXPECT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(kSheets), {})); }
 
   /// Casts at copy 0, the first ray, and others.
   Result<AppliedCast> cast(const Client& client, const std::vector<Update>& updates,
                            const CastOptions& options = {}, const ApplyOptions& apply = {}) {
-    const DownwardRays rays(kRays, kCopies);
+    const DownwardRays rays(kRays, kSheets);
     return client.apply_and_cast(kScene, updates, rays.columns(), {.t = t_}, options, apply);
   }
 

@@ -106,7 +106,8 @@ class SegmentRpc : public LiveServer {
 
   /// What the server holds for segments.
   std::uint64_t held() {
-    for (const v1::HeldBytes& one : info().memory()) {
+    const v1::GetServerInfoResponse reply = info();
+    for (const v1::HeldBytes& one : reply.memory()) {
       if (one.kind() == "segments") return one.bytes();
     }
     ADD_FAILURE() << "segments are not reported";

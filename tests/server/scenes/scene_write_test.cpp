@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "server/scenes/applied_updates.h"
 #include "tests/scenegraph/put_node.h"
 #include "tests/server/scenes/journaled_scene.h"
 
