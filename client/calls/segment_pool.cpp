@@ -108,7 +108,6 @@ bool SegmentPool::may_ask() {
 void SegmentPool::note_failure(const Error& error) {
   const std::lock_guard lock(mutex_);
   failure_ = error.message.empty() ? name_of(error.code) : error.message;
-  limits_.reset();
   ask_again_ = Clock::now() + pause_;
   pause_ = std::min(2 * pause_, kLongestAskPause);
 }
