@@ -1,6 +1,10 @@
 // A call that completes later: by a completion, as a std::future, or for a coroutine.
 #pragma once
 
+#if __cplusplus < 202002L
+#error "The client of Sightline needs C++20: compile with -std=c++20 or later"
+#endif
+
 #include <concepts>
 #include <coroutine>
 #include <functional>

@@ -41,10 +41,10 @@ class UnaryCall final : public AsyncOperation {
 
   UnaryCall(std::shared_ptr<const Connection> connection,
             std::optional<std::chrono::milliseconds> timeout, Repeat repeat, Route route,
-            std::stop_token stop, Request request, StartUnary<Request, Response> start, Read read)
+            std::stop_token stop, Request request, StartUnary<Request, Response> begins, Read read)
       : AsyncOperation(std::move(connection), timeout, repeat, std::move(route), std::move(stop)),
         request_(std::move(request)),
-        start_(start),
+        start_(begins),
         read_(std::move(read)) {}
 
   void begin(Done done) {

@@ -9,7 +9,7 @@
 namespace sightline::bench {
 namespace {
 
-/// A column is rounded up to so many bytes at most.
+/// What the size of a column may be rounded up by.
 constexpr std::size_t kRounding = 64;
 
 template <class T>
