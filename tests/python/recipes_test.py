@@ -92,11 +92,11 @@ class LidarScanTest(ServerTest):
 class GameTickTest(ServerTest):
     @staticmethod
     def blocked(start, line, own, middle, half):
-        """Whether a line on the plan, less the shares at its ends, meets a square."""
+        """Whether a line on the plan, less the shares at its ends, meets the sides of a square."""
         with np.errstate(divide="ignore", invalid="ignore"):
             first, second = (middle - half - start) / line, (middle + half - start) / line
         enters, leaves = np.minimum(first, second).max(), np.maximum(first, second).min()
-        return max(enters, own) <= min(leaves, 1 - own)
+        return enters <= leaves and any(own <= t <= 1 - own for t in (enters, leaves))
 
     def test_lines_of_sight(self):
         game = recipe("game_tick")
