@@ -95,7 +95,7 @@ class Layers(Tree):
         ("scenegraph/scene.cpp", '"sightline/v1/query.pb.h"'),
         ("scenegraph/scene.cpp", "<grpcpp/grpcpp.h>"),
         ("server/exec/b.h", '"server/queries/cast_job.h"'),
-        ("server/queries/b.h", '"server/updates/apply_rpc.h"'),
+        ("server/updates/b.h", '"server/queries/cast_job.h"'),
         ("server/server.cpp", '"client/client.h"'),
         ("server/server.cpp", "<assimp/scene.h>"),
         ("client/client.h", '"client/calls/channel.h"'),

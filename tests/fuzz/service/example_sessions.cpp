@@ -236,6 +236,8 @@ std::vector<FuzzCall> reads() {
                         request.add_ids(1);
                         request.add_ids(2);
                       })}));
+  made.push_back(call("OpenSegment", {message<v1::OpenSegmentRequest>(
+                                         [](auto& request) { request.set_bytes(4096); })}));
   made.push_back(call("WatchScene", {message<v1::WatchSceneRequest>([](auto& request) {
                         request.set_scene(kScene);
                         request.set_start_revision(0);
