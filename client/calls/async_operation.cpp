@@ -51,15 +51,19 @@ void AsyncOperation::attempt() {
 }
 
 void AsyncOperation::ended(const grpc::Status& status) noexcept {
-  if (!status.ok() && !stop_.stop_requested()) {
-    if (const auto pause = attempts_->pause(status)) return attempt_after(*pause);
+  bool is_stopped = false;
+  if (!status.ok()) {
+    if (const auto pause = attempts_->pause(status)) {
+      is_stopped = stop_.stop_requested();
+      if (!is_stopped) return attempt_after(*pause);
+    }
   }
   on_stop_.reset();  // waits for a cancel() that is under way
   context_.reset();
   // A client that is destroyed as soon as the call has completed is then the last owner, and its
   // destructor ends the connection.
   connection_.reset();
-  complete(status);
+  complete(is_stopped ? grpc::Status(grpc::CANCELLED, "cancelled") : status);
 }
 
 void AsyncOperation::attempt_after(std::chrono::milliseconds pause) {

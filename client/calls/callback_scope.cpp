@@ -1,6 +1,8 @@
 // A deleter that asks where it runs.
 #include "client/calls/callback_scope.h"
 
+#include <exception>
+#include <new>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -11,11 +13,12 @@ namespace {
 using Channel = std::shared_ptr<grpc::Channel>;
 
 void release_on_a_thread(Channel channel) noexcept {
-  auto* const kept = new Channel(std::move(channel));
+  // Without memory the process ends; without a thread the channel stays until it does.
+  auto* const kept = new (std::nothrow) Channel(std::move(channel));
+  if (kept == nullptr) std::terminate();
   try {
     std::thread([kept] { delete kept; }).detach();
   } catch (const std::system_error&) {
-    // Without a thread the channel stays until the process ends.
   }
 }
 

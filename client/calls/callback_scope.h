@@ -12,15 +12,15 @@ namespace sightline::client::calls {
 /// released while this lives.
 class CallbackScope {
  public:
-  CallbackScope() : outer_(is_here_) { is_here_ = true; }
+  CallbackScope() : outer_(here) { here = true; }
   CallbackScope(const CallbackScope&) = delete;
   CallbackScope& operator=(const CallbackScope&) = delete;
-  ~CallbackScope() { is_here_ = outer_; }
+  ~CallbackScope() { here = outer_; }
 
-  static bool is_here() { return is_here_; }
+  static bool is_here() { return here; }
 
  private:
-  inline static thread_local bool is_here_ = false;
+  inline static thread_local bool here = false;
   bool outer_;
 };
 

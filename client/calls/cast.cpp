@@ -35,8 +35,8 @@ void set_rows(const PointColumns<const Scalar>& points, v1::QueryPointsRequest& 
 
 template <class Columns>
 Status check(const Columns& rows, const HitColumns& hits, const CastOptions& options) {
-  if (const Status checked = check_kind(options.kind); !checked) return checked;
-  if (const Status checked = check_rows(rows, hits); !checked) return checked;
+  if (Status checked = check_kind(options.kind); !checked) return checked;
+  if (Status checked = check_rows(rows, hits); !checked) return checked;
   if (rows.size() == 0 && has_sides(options)) return check(rows, hits, without_sides(options));
   return CallsOf<RequestOf<Columns>>::check(options, fields_of(hits));
 }
@@ -68,8 +68,9 @@ Result<typename CallsOf<Request>::Response> send(const Connection& connection,
         CallsOf<Request>::call(*connection.queries, context, request, response);
     if (status.ok()) return response;
     const auto pause = attempts.pause(status);
-    if (!pause || !sleep_unless_stopped(*pause, options.stop))
-      return rpc_error(status, options.stop);
+    if (!pause) return rpc_error(status, options.stop);
+    if (!sleep_unless_stopped(*pause, options.stop))
+      return Error{Code::kCancelled, "cancelled", {}};
   }
 }
 

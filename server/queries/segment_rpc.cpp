@@ -31,8 +31,7 @@ class SegmentCall final : public grpc::ServerWriteReactor<v1::OpenSegmentRespons
 
   void start() {
     const Status entered = exec::to_status([this] {
-      const Status offered = segments_.check_offered(context_.peer());
-      if (!offered) return offered;
+      if (Status offered = segments_.check_offered(context_.peer()); !offered) return offered;
       return segments_.calls().enter(this, caller_, {.on_stop = [this] {
                                        advance([this] { end(segments_.calls().stopped_error()); });
                                      }});

@@ -31,16 +31,17 @@ Result<SharedRays> SharedRays::decode(const v1::SharedRays& message, std::uint64
   const auto add = [&](Part part, const char* name, std::uint64_t begin) {
     return rays.add(part, name, begin, segment_bytes);
   };
-  if (Status s = add(Part::kOrigin, "origins", message.origins()); !s) return s.error();
-  if (Status s = add(Part::kDirection, "directions", message.directions()); !s) return s.error();
+  if (const Status s = add(Part::kOrigin, "origins", message.origins()); !s) return s.error();
+  if (const Status s = add(Part::kDirection, "directions", message.directions()); !s)
+    return s.error();
   if (message.has_tmin()) {
-    if (Status s = add(Part::kTmin, "tmin", message.tmin()); !s) return s.error();
+    if (const Status s = add(Part::kTmin, "tmin", message.tmin()); !s) return s.error();
   }
   if (message.has_tmax()) {
-    if (Status s = add(Part::kTmax, "tmax", message.tmax()); !s) return s.error();
+    if (const Status s = add(Part::kTmax, "tmax", message.tmax()); !s) return s.error();
   }
   if (message.has_masks()) {
-    if (Status s = add(Part::kMask, "masks", message.masks()); !s) return s.error();
+    if (const Status s = add(Part::kMask, "masks", message.masks()); !s) return s.error();
   }
   return rays;
 }
@@ -55,12 +56,13 @@ Result<SharedRays> SharedRays::decode(const v1::SharedPoints& message, std::uint
   const auto add = [&](Part part, const char* name, std::uint64_t begin) {
     return points.add(part, name, begin, segment_bytes);
   };
-  if (Status s = add(Part::kOrigin, "positions", message.positions()); !s) return s.error();
+  if (const Status s = add(Part::kOrigin, "positions", message.positions()); !s) return s.error();
   if (message.has_max_distance()) {
-    if (Status s = add(Part::kTmax, "max_distance", message.max_distance()); !s) return s.error();
+    if (const Status s = add(Part::kTmax, "max_distance", message.max_distance()); !s)
+      return s.error();
   }
   if (message.has_masks()) {
-    if (Status s = add(Part::kMask, "masks", message.masks()); !s) return s.error();
+    if (const Status s = add(Part::kMask, "masks", message.masks()); !s) return s.error();
   }
   return points;
 }

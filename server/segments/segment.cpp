@@ -64,11 +64,7 @@ Segment::Segment(net::Descriptor descriptor, std::byte* data, std::uint64_t size
       size_(size),
       principal_(std::move(principal)) {}
 
-Segment::~Segment() {
-  // The server has touched the pages first, so the system counts them as the server's.
-  if (!leaves_pages_) madvise(data_, size_, MADV_REMOVE);
-  munmap(data_, size_);
-}
+Segment::~Segment() { munmap(data_, size_); }
 
 bool Segment::is_safe() {
   int overcommit = 0;

@@ -1,7 +1,6 @@
 // Memory that a client on this machine shares with the server.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -17,8 +16,8 @@ namespace sightline::server::segments {
 /// access fails, whatever a client does with the descriptor. A client may write any byte at any
 /// time: what is read is copied first, and what is written is not read back.
 ///
-/// The destructor gives the pages back to the system, also if a client keeps the descriptor or a
-/// mapping: it then finds zeros, in pages of its own account. After leave_pages() it does not.
+/// The pages go when the segment, and all clients that have mapped it, are gone: what clients have
+/// written, and what was answered, stays theirs.
 ///
 /// Threads: any, for every member.
 class Segment {
@@ -41,10 +40,6 @@ class Segment {
   /// What clients get. It stays open as long as the segment lives.
   int descriptor() const { return descriptor_.number(); }
 
-  /// What clients have written stays theirs. For a process that ends: it does not account for the
-  /// pages any more.
-  void leave_pages() const { leaves_pages_ = true; }
-
   /// Copies bytes, which the segment has.
   void read(std::uint64_t offset, void* to, std::size_t bytes) const;
   void write(std::uint64_t offset, const void* from, std::size_t bytes) const;
@@ -58,7 +53,6 @@ class Segment {
   std::byte* const data_;
   const std::uint64_t size_;
   const std::string principal_;
-  mutable std::atomic<bool> leaves_pages_{false};
 };
 
 /// Bytes of a page; sizes of segments are multiples of it.

@@ -84,7 +84,6 @@ void Segments::close(const std::string& name) {
   const auto found = open_.find(name);
   if (found == open_.end()) return;
   closed = std::move(found->second);
-  if (calls_.stopped()) closed->leave_pages();
   open_.erase(found);
 }
 

@@ -49,8 +49,7 @@ class Segments {
   /// Makes a segment of at least this many bytes, which lives until close() and its last user. May
   /// take long. Errors: kInvalidArgument (no bytes), kResourceExhausted.
   Result<Opened> open(const exec::Caller& caller, std::uint64_t bytes);
-  /// From now on no request finds the segment. Where the server stops, clients keep what they have
-  /// written. Does nothing for a name that is not open.
+  /// From now on no request finds the segment. Does nothing for a name that is not open.
   void close(const std::string& name);
 
   /// The open segment of this name and principal, for a request that uses it until it is answered.
