@@ -212,7 +212,7 @@ TEST_F(AsyncEnd, WhatIsRefusedForNowIsRepeated) {
 }
 
 TEST_F(AsyncEnd, AStopEndsThePauseBeforeTheNextAttempt) {
-  RefusingQueries casts(100, 50);
+  RefusingQueries casts(100, 20);
   const Serving server(casts);
   std::stop_source stop;
   auto cast = server.async()

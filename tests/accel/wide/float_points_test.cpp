@@ -198,9 +198,10 @@ TEST(FloatPoints, MeetBoxesThatAreStretched) {
     geometry::Aabb box;
     Vec3d inside;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto [lo, hi] = std::minmax(random.uniform(-1, 1), random.uniform(-1, 1));
-      box.lo[axis] = static_cast<float>(lo);
-      box.hi[axis] = static_cast<float>(hi);
+      const auto one = static_cast<float>(random.uniform(-1, 1)),
+                 other = static_cast<float>(random.uniform(-1, 1));
+      box.lo[axis] = std::min(one, other);
+      box.hi[axis] = std::max(one, other);
       // In the frame of the tree; its corners are as good as any.
       inside[axis] = static_cast<double>(round % 3 == 0 ? box.lo[axis] : box.hi[axis]);
     }

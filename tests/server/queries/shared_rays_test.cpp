@@ -41,8 +41,8 @@ class SharedRaysTest : public testing::Test {
 
   static bool fits(std::uint64_t begin, std::uint64_t rows, std::size_t row, std::size_t element,
                    std::uint64_t segment) {
-    using Wide = unsigned __int128;
-    return begin % element == 0 && Wide{begin} + Wide{rows} * row <= segment;
+    if (begin % element != 0 || begin > segment) return false;
+    return rows <= (segment - begin) / row;
   }
 
   Random random_{1};

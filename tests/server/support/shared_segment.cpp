@@ -55,8 +55,10 @@ SegmentCall::~SegmentCall() { end(); }
 
 grpc::Status SegmentCall::wait() {
   v1::OpenSegmentResponse more;
-  if (!ended_) EXPECT_FALSE(reader_->Read(&more)) << "only one response comes";
-  if (!ended_) status_ = reader_->Finish();
+  if (!ended_) {
+    EXPECT_FALSE(reader_->Read(&more)) << "only one response comes";
+    status_ = reader_->Finish();
+  }
   ended_ = true;
   return status_;
 }
