@@ -39,7 +39,7 @@ class AsyncClient;
 struct ClientOptions {
   /// How long a call may take before it fails with kDeadlineExceeded. If not set: one minute for
   /// calls that send neither rays nor meshes, and no limit for the others.
-  std::optional<std::chrono::milliseconds> timeout;
+  std::optional<std::chrono::milliseconds> timeout{};
 
   /// PEM files. With `tls_ca` the connection is encrypted, and the server needs a certificate of
   /// its name that one of these has signed. Empty: no encryption.

@@ -44,8 +44,6 @@ class SharedArray {
   T* end() const { return data() + size(); }
   T& operator[](std::size_t i) const { return data()[i]; }
   std::span<T> span() const { return {data(), size()}; }
-  operator std::span<T>() const { return span(); }
-  operator std::span<const T>() const { return span(); }
 
  private:
   friend class SharedMemory;

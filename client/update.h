@@ -20,9 +20,9 @@ namespace sightline::client {
 struct PutNode {
   NodeRef node = 0;
   NodeRef parent = 0;  ///< 0: a root
-  std::string name;    ///< UTF-8
+  std::string name{};  ///< UTF-8
   Transform parent_from_local = kIdentity;
-  std::string mesh_digest;  ///< an uploaded mesh's; empty: a group
+  std::string mesh_digest{};  ///< an uploaded mesh's; empty: a group
   Mobility mobility = Mobility::kStatic;
   std::uint32_t mask = 0xffffffff;
 };

@@ -30,8 +30,8 @@ const char* name_of(Way way) {
 /// A scene with agents at a server, and what a tick sends.
 struct Game {
   client::Client client;
-  std::vector<std::uint64_t> agents;
-  std::vector<double> origins, directions, tmax;
+  std::vector<std::uint64_t> agents{};
+  std::vector<double> origins{}, directions{}, tmax{};
   double size = 1;
 
   client::RayColumns<const double> rays() const { return {origins, directions, {}, tmax, {}}; }

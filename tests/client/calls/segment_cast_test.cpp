@@ -58,7 +58,8 @@ struct MixedRays {
     for (std::size_t i = 0; i < n; ++i) {
       const auto column = static_cast<Scalar>(i % kSharedCopies);
       const auto x = static_cast<Scalar>(i % 97) / 97, y = static_cast<Scalar>(i % 89) / 89;
-      const Scalar origin[] = {10 * column + x, y, 5}, direction[] = {0, 0, i % 11 == 3 ? 1 : -1};
+      const Scalar origin[] = {10 * column + x, y, 5},
+                   direction[] = {0, 0, i % 11 == 3 ? Scalar{1} : Scalar{-1}};
       std::copy(origin, origin + 3, &origins[3 * i]);
       std::copy(direction, direction + 3, &directions[3 * i]);
       if (i % 101 == 7) directions[3 * i] = std::numeric_limits<Scalar>::quiet_NaN();
