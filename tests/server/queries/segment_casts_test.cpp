@@ -62,7 +62,9 @@ v1::Rays mixed_rays(std::size_t count, bool float64, bool bounds) {
   std::string masks;
   for (const Ray& ray : random_rays(count, count + 1)) {
     const std::size_t i = tmin.size();
-    origins.insert(origins.end(), {ray.origin.x, ray.origin.y, i % 13 == 5 ? NAN : ray.origin.z});
+    origins.insert(origins.end(),
+                   {ray.origin.x, ray.origin.y,
+                    i % 13 == 5 ? std::numeric_limits<double>::quiet_NaN() : ray.origin.z});
     directions.insert(directions.end(), {ray.direction.x, ray.direction.y, ray.direction.z});
     tmin.push_back(i % 3 == 0 ? 0.25 : 0);
     tmax.push_back(i % 5 == 0 ? 1.0 : std::numeric_limits<double>::infinity());
