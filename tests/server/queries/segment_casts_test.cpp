@@ -378,14 +378,16 @@ TEST_F(SegmentCasts, WriteTheirColumnsAlone) {
 
 /// A client that changes its rays while they are cast gets answers to some rays, and others theirs.
 TEST_F(SegmentCasts, RaysThatChangeMeanwhileHarmNoOther) {
+  // Rays of any bits take long: most are decided exactly.
+  constexpr std::size_t kChanging = 4096;
   const v1::CastRaysRequest good = request_of(random_rays(3000, 8));
   const auto expected = ask<v1::CastRaysResponse>(good);
   v1::CastRaysRequest request;
   request.set_scene(kScene);
-  *request.mutable_rays() = mixed_rays(kMaxSharedRays / 8, true, true);
+  *request.mutable_rays() = mixed_rays(kChanging, true, true);
   set_answer({v1::QUERY_KIND_CLOSEST, kFieldsOfRays}, request);
   const v1::CastRaysRequest way =
-      with_answer_in(segment_, with_rays_in(segment_, request), kMaxSharedRays / 8);
+      with_answer_in(segment_, with_rays_in(segment_, request), kChanging);
   std::atomic<bool> stop{false};
   std::thread scribbler([&] {
     Random random(3);
@@ -395,9 +397,9 @@ TEST_F(SegmentCasts, RaysThatChangeMeanwhileHarmNoOther) {
       std::memcpy(bytes.data() + random.below(bytes.size() / 8) * 8, &value, sizeof value);
     }
   });
-  for (int round = 0; round < 20; ++round) {
+  for (int round = 0; round < 4; ++round) {
     const auto reply = ask<v1::CastRaysResponse>(way);
-    EXPECT_EQ(reply.stats().rays(), kMaxSharedRays / 8);
+    EXPECT_EQ(reply.stats().rays(), kChanging);
     const auto others = ask<v1::CastRaysResponse>(good);
     for (int i = 0; i < expected.columns_size(); ++i)
       EXPECT_EQ(others.columns(i).data(), expected.columns(i).data());
