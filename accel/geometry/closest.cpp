@@ -151,17 +151,13 @@ double DistancesFrom::to(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
   if (is_plain_ && has_nearest(vertices)) return distance_;
   SeenFace face;
   Feature feature;
-  std::optional<double> computed;
   // Without a corner or edge that may be the nearest again, all corners are exact at once.
-  if (is_plain_ || corners_ > 0) {
-    if (is_in_range_) {
-      const double more = see_leading(p_, matrix_, is_plain_, vertices, face);
-      if (is_in_range(face))
-        feature = nearest_feature(BoundedSigns<double>(face, kSignShare, more));
-      if (feature.certain && !is_plain_ && is_nearest(vertices, feature)) return distance_;
-    }
+  if (is_in_range_ && (is_plain_ || corners_ > 0)) {
+    const double more = see_leading(p_, matrix_, is_plain_, vertices, face);
+    if (is_in_range(face)) feature = nearest_feature(BoundedSigns<double>(face, kSignShare, more));
+    if (feature.certain && !is_plain_ && is_nearest(vertices, feature)) return distance_;
   }
-  computed = computed_distance(p_, matrix_, vertices, face, feature);
+  const auto computed = computed_distance(p_, matrix_, vertices, face, feature);
   distance_ = computed ? *computed : exact_distance(p_, matrix_, vertices);
   corners_ = 0;
   if (computed && feature.certain && feature.part != Part::kInside) {
@@ -171,7 +167,9 @@ double DistancesFrom::to(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
   return distance_;
 }
 
-/// Whether the corner or edge, which certainly is the nearest part, was the nearest before.
+/// Whether the corner or edge, which certainly is the nearest part, was the nearest before. Under
+/// the identity has_nearest() asks this without the other signs, which makes far points a tenth
+/// faster.
 bool DistancesFrom::is_nearest(const Vertices& vertices, const Feature& feature) const {
   const Vec3f &begin = vertices[feature.index], &end = vertices[corner_after(feature.index)];
   if (feature.part == Part::kCorner) return corners_ == 1 && begin == nearest_[0];

@@ -97,8 +97,9 @@ class Point {
     const Boxes squared =
         (squared_gap(0) + squared_gap(1) + squared_gap(2)) * Boxes::set(1 - 0x1p-20f);
     std::uint32_t met = squared <= Boxes::set(packet_.near.limit_squared[lane_]);
-    // The gaps of a child that does not exist are not numbers when they are stretched.
-    met &= Boxes::load(node.bounds[0].data()) <= Boxes::load(node.bounds[1].data());
+    // The stretched gaps of a child that does not exist are not numbers.
+    if (packet_.near.stretched)
+      met &= Boxes::load(node.bounds[0].data()) <= Boxes::load(node.bounds[1].data());
     if (met == 0) return false;
     const auto first = static_cast<std::size_t>(std::countr_zero(met));
     prefetch(node, met);

@@ -408,7 +408,11 @@ TEST_F(CastUpdatesRpc, ATimeBudgetDoesNotUndoTheUpdates) {
   request.set_time_budget_ms(1);
   const v1::CastRaysResponse reply = api_.cast(request);
   EXPECT_EQ(reply.applied().revision().revision(), 2u);
-  EXPECT_EQ(reply.stats().rays() + reply.stats().unanswered(), 20u);
+  EXPECT_EQ(reply.stats().rays(), 20u);
+  EXPECT_LE(reply.stats().unanswered(), 20u);
+  if (reply.stats().unanswered() == 0) {
+    EXPECT_EQ(first_t(reply), 8);
+  }
 }
 
 server::ServerConfig with_few_rays() {
