@@ -127,8 +127,8 @@ class Strand {
   /// Runs task() after all tasks posted before. It must not throw. Threads: any.
   void post(Compute& compute, std::function<void()> task);
 
-  /// Call it on a worker. Runs task() in the calling thread, before it returns, if no other task
-  /// runs or waits; else does as post().
+  /// Runs task() in the calling thread, before it returns, if no other task runs or waits; else
+  /// does as post().
   void run_or_post(Compute& compute, std::function<void()> task);
 
  private:

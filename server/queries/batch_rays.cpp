@@ -21,7 +21,6 @@ void BatchRays::clear() {
   grid_.reset();
   shared_.reset();
   segment_ = nullptr;
-  few_.clear();
 }
 
 Status BatchRays::begin(const v1::Rays& columns) {
@@ -67,10 +66,6 @@ Status BatchRays::begin_shared(const Message& message, const Bounds& bounds) {
   shared_ = *std::move(shared);
   segment_ = bounds.segment;
   size_ = shared_->size();
-  if (size_ > kFewRays) return {};
-  std::vector<double> copy;
-  const RayColumns rays = shared_->copy(*segment_, 0, size_, copy);
-  for (std::size_t i = 0; i < size_; ++i) few_.push_back(rays[i]);
   return {};
 }
 
@@ -137,8 +132,6 @@ RayColumns BatchRays::view(std::size_t first, std::size_t count, std::vector<dou
   if (columns_ != nullptr) return view_rays(*columns_, first, count);
   if (points_ != nullptr) return view_points(*points_, first, count);
   if (grid_) return view_grid(first, count, made);
-  if (shared_ && size_ <= kFewRays)
-    return accel::geometry::columns_of(std::span(few_).subspan(first, count));
   if (shared_) return shared_->copy(*segment_, first, count, made);
   made.resize(6 * count);
   double* const origins = made.data();

@@ -19,10 +19,6 @@
 
 namespace sightline::server::queries {
 
-/// Up to this number of rays of a segment are copied when their batch begins: they may be traced
-/// twice, and are read once.
-inline constexpr std::size_t kFewRays = 16;
-
 class BatchRays {
  public:
   /// What a request may have beside its own columns.
@@ -53,8 +49,8 @@ class BatchRays {
   void decode(std::size_t first, std::span<accel::geometry::Ray> rays) const;
 
   /// A view of `count` rays from `first` on, which the batch has. A request's rays are viewed where
-  /// they are; a generator's are made in `made`, and a segment's are copied there: view each ray
-  /// once. Both, and the batch, must outlive the view.
+  /// they are; a generator's are made in `made`, and a segment's are copied there. Both, and the
+  /// batch, must outlive the view.
   /// Threads: any, each with its own `made`.
   accel::geometry::RayColumns view(std::size_t first, std::size_t count,
                                    std::vector<double>& made) const;
@@ -77,7 +73,6 @@ class BatchRays {
   std::optional<proto::rays::PointGrid> grid_;  // none: generated_ makes rays
   std::optional<SharedRays> shared_;
   const segments::Segment* segment_ = nullptr;  // of shared_
-  std::vector<accel::geometry::Ray> few_;       // shared rays that are copied
   // The range of all generated rays.
   double tmin_ = 0, tmax_ = 0;
   std::uint32_t mask_ = 0;

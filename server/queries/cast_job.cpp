@@ -7,7 +7,7 @@
 #include <array>
 #include <utility>
 
-#include "scenegraph/instances/scene_trees.h"
+#include "scenegraph/query/build.h"
 #include "server/exec/rpc_status.h"
 #include "server/queries/asked_shard.h"
 #include "server/queries/hit_codec.h"
@@ -21,6 +21,14 @@ namespace {
 
 /// A stream that rests keeps the memory for this number of rays.
 constexpr std::size_t kIdleRays = 256;
+
+// What a thread that has read a cast does for it by itself: rays between two looks at the clock,
+// and about the time that it takes to wake a worker up. Moved instances whose trees it builds,
+// which takes less than that.
+constexpr std::size_t kRaysAtOnce = 64;
+static_assert(kRaysAtOnce % kRaysPerBitsByte == 0);
+constexpr std::chrono::microseconds kMostAtOnce{250};
+constexpr std::uint64_t kFewMoved = 256;
 
 /// Most rays of one slice; of points with sides fewer, as each casts rays of its own.
 std::size_t rays_per_slice(const CastQuery& query) {
@@ -147,12 +155,16 @@ void CastJob::begin_budget(std::uint32_t milliseconds) {
 
 void CastJob::enqueue(v1::CastRaysResponse& reply, const Done& done) {
   waiting_since_ = Clock::now();
-  bool answered = false;
+  Progress progress = Progress::kMore;
   const Status pushed = exec::to_status([&] {
+    if (is_immediate()) {
+      const auto answered = answer_at_once(reply);
+      if (!answered) return Status(answered.error());
+      progress = *answered;
+    }
+    if (progress == Progress::kDone) return Status();
     if (is_sharded()) {
       push_sharded(reply, done);
-    } else if (is_immediate() && answer_at_once(reply)) {
-      answered = true;
     } else if (builds_first()) {
       push_build(reply, done);
     } else {
@@ -160,7 +172,7 @@ void CastJob::enqueue(v1::CastRaysResponse& reply, const Done& done) {
     }
     return Status();
   });
-  if (!pushed || answered) end(pushed, done);
+  if (!pushed || progress == Progress::kDone) end(pushed, done);
 }
 
 bool CastJob::run_slice_here(v1::CastRaysResponse& reply, const Done& done) {
@@ -179,54 +191,59 @@ bool CastJob::builds_first() const {
 
 /// Whether a few rays may be answered in the thread that asks: it must neither build nor wait.
 bool CastJob::is_immediate() const {
-  if (begun_ || batch_.size() > kImmediateCast || query_.kind == scenegraph::QueryKind::kAll ||
-      query_.selects() || query_.sides ||
+  if (begun_ || is_sharded() || batch_.size() > kImmediateCast || query_.kind == scenegraph::QueryKind::kAll ||
+      query_.shard || query_.sides ||
       (query_.growth == scenegraph::Growth::kFull && !snapshot_->is_complete()))
     return false;
-  return snapshot_->shared_trees().are_opened();
+  return scenegraph::query::open_moved(*snapshot_, kFewMoved);
 }
 
-/// Traces only through cells that are built. Returns false if a ray meets another one, or cannot be
-/// traced: then workers begin again.
-bool CastJob::answer_at_once(v1::CastRaysResponse& reply) {
-  if (const Status ready = begin(); !ready) return false;
-  begin_columns(reply);
-  scenegraph::TraceOptions built_only = options();
-  built_only.growth = scenegraph::Growth::kBuiltOnly;
-  bool met_deferred = false;
-  const auto traced = trace_immediate(built_only, reply, met_deferred);
-  if (!traced || (met_deferred && query_.growth != scenegraph::Growth::kBuiltOnly)) {
-    begun_ = false;
-    return false;
-  }
-  stats_ += *traced;
-  take_over(batch_.size());
+/// Traces only through cells that are built. Where a ray meets another one, and after some time,
+/// workers go on.
+Result<CastJob::Progress> CastJob::answer_at_once(v1::CastRaysResponse& reply) {
+  const auto begun = Clock::now();
+  if (Status ready = begin(); !ready) return ready.error();
   reply.clear_first_ray();
   reply.clear_more();
-  traced_ = Clock::now() - waiting_since_;
+  begin_columns(reply);
+  auto now = begun;
+  while (answered_ < batch_.size() && now - begun <= kMostAtOnce) {
+    const std::size_t count = std::min(batch_.size() - answered_, kRaysAtOnce);
+    bool met_deferred = false;
+    const auto traced = trace_built(count, reply, met_deferred);
+    if (!traced) return traced.error();
+    if (met_deferred && query_.growth != scenegraph::Growth::kBuiltOnly) break;
+    stats_ += *traced;
+    take_over(count);
+    now = Clock::now();
+  }
+  traced_ += now - begun;
+  waiting_since_ = now;
+  if (answered_ < batch_.size()) return Progress::kMore;
   describe(reply);
-  return true;
+  return Progress::kDone;
 }
 
-/// Traces the whole batch, and sets whether a ray met a cell that is not built.
-Result<scenegraph::TraceStats> CastJob::trace_immediate(const scenegraph::TraceOptions& options,
-                                                        v1::CastRaysResponse& reply,
-                                                        bool& met_deferred) {
+/// Traces the next rays, and sets whether one of them met a cell that is not built.
+Result<scenegraph::TraceStats> CastJob::trace_built(std::size_t count, v1::CastRaysResponse& reply,
+                                                    bool& met_deferred) {
+  scenegraph::TraceOptions built_only = options();
+  built_only.growth = scenegraph::Growth::kBuiltOnly;
   const auto is_deferred = [](std::uint32_t work) {
     return (work & accel::geometry::kWorkDeferred) != 0;
   };
   if (query_.kind == scenegraph::QueryKind::kCount) {
-    auto traced = trace_rays(batch_.size(), options, reply);
+    auto traced = trace_rays(count, built_only, reply);
     met_deferred = std::any_of(tallies_.begin(), tallies_.end(),
                                [&](const auto& tally) { return is_deferred(tally.work); });
     return traced;
   }
-  std::array<std::uint32_t, kImmediateCast> work{};
-  accel::geometry::HitColumns hits = view_hits(columns_of(reply), 0, batch_.size());
+  std::array<std::uint32_t, kRaysAtOnce> work{};
+  accel::geometry::HitColumns hits = view_hits(columns_of(reply), row(), count);
   const auto asked = hits.work;
   hits.work = {work.data()};
-  auto traced = trace_hits(batch_.view(0, batch_.size(), made_), hits, options, reply);
-  for (std::size_t i = 0; i < batch_.size(); ++i) {
+  auto traced = trace_hits(batch_.view(answered_, count, made_), hits, built_only, reply);
+  for (std::size_t i = 0; i < count; ++i) {
     if (asked.is_asked()) asked.set(i, work[i]);
     met_deferred |= is_deferred(work[i]);
   }

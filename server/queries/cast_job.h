@@ -37,10 +37,10 @@
 
 namespace sightline::server::queries {
 
-/// Casts of up to this number of rays are answered in the thread that asks for them, if they meet
-/// built cells alone.
-inline constexpr std::size_t kImmediateCast = 16;
-static_assert(kImmediateCast <= kFewRays);
+/// Casts of up to this number of rays are answered in the thread that asks for them, as far as they
+/// meet built cells alone, and take less time than a worker needs to wake up.
+inline constexpr std::size_t kImmediateCast = 256;
+static_assert(kImmediateCast <= kSmallCast);
 static_assert(kRaysPerSlice % kRaysPerBitsByte == 0);
 
 /// Serves one call: open() and pin() once; then for each batch accept() once, and enqueue() until
@@ -90,7 +90,7 @@ class CastJob {
 
   /// Call it after accept(). Makes the next reply on workers for casts of this size, after a full
   /// build on background workers if the query asks for one. Then calls done(Status) there. An
-  /// immediate cast is answered, and done() called, before this returns. If the reply says that
+  /// immediate cast may be answered, and done() called, before this returns. If the reply says that
   /// there is more, the batch stays admitted, and enqueue() must be called again for the next one.
   /// `reply` must not change meanwhile. Where this server has peers for shards, they trace, and
   /// done() may be called on a thread of gRPC. Errors: kCancelled; kNotFound, naming a node of the
@@ -156,7 +156,7 @@ class CastJob {
   bool builds_first() const;
   bool cast_slice(v1::CastRaysResponse& reply, const Done& done);
   bool is_immediate() const;
-  bool answer_at_once(v1::CastRaysResponse& reply);
+  Result<Progress> answer_at_once(v1::CastRaysResponse& reply);
   void push_build(v1::CastRaysResponse& reply, const Done& done);
   void push_cast(v1::CastRaysResponse& reply, const Done& done);
   void end(const Status& status, const Done& done);
@@ -184,8 +184,8 @@ class CastJob {
                                                   accel::geometry::HitColumns& hits,
                                                   const scenegraph::TraceOptions& options,
                                                   v1::CastRaysResponse& reply);
-  Result<scenegraph::TraceStats> trace_immediate(const scenegraph::TraceOptions& options,
-                                                 v1::CastRaysResponse& reply, bool& met_deferred);
+  Result<scenegraph::TraceStats> trace_built(std::size_t count, v1::CastRaysResponse& reply,
+                                             bool& met_deferred);
   void describe(v1::CastRaysResponse& reply);
   scenegraph::TraceOptions options() const;
 

@@ -50,13 +50,15 @@ class CastUpdates {
 
   /// Whether there are few enough for a worker for small casts to apply them: run().
   bool are_few() const;
+  /// Whether they only move nodes, and so few that the thread that has read them may apply them.
+  bool are_few_moves() const;
 
   // The outcome is the revision that the updates have made, pinned before any later write. Errors:
   // as updates::ApplyJob, and AppliedAt::snapshot().
 
   /// Applies on other workers, and calls done() there; it may destroy this.
   void enqueue(Done done);
-  /// Applies on the worker that calls it. Returns the outcome if it is known by then. If not, calls
+  /// Applies in the thread that calls it. Returns the outcome if it is known by then. If not, calls
   /// done() elsewhere, and this may be gone when it returns.
   std::optional<Outcome> run(Done done);
 

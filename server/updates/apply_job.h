@@ -65,8 +65,8 @@ class ApplyJob {
 
   /// Decodes on a worker for updates, and applies on the write queue, where done() is called.
   void enqueue(Done done);
-  /// Call it on a worker. Decodes there, and applies there before it returns if no other task of
-  /// the write queue runs or waits.
+  /// Decodes in the calling thread, and applies there before it returns if no other task of the
+  /// write queue runs or waits.
   void run(Done done);
 
   /// Nothing is applied any more, unless that has happened. Threads: any, at any time.

@@ -20,16 +20,27 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// How a tick asks.
-enum class Way : std::uint8_t { kCastAlone, kTwoCalls, kOneCall };
+enum class Way : std::uint8_t { kEcho, kCastAlone, kTwoCalls, kOneCall };
 
 const char* name_of(Way way) {
-  if (way == Way::kCastAlone) return "cast alone";
-  return way == Way::kTwoCalls ? "apply, then cast" : "apply and cast";
+  switch (way) {
+    case Way::kEcho:
+      return "echo";  // of the least service that takes such a call
+    case Way::kCastAlone:
+      return "cast alone";
+    case Way::kTwoCalls:
+      return "apply, then cast";
+    case Way::kOneCall:
+      return "apply and cast";
+  }
+  return "";
 }
+
+bool moves(Way way) { return way == Way::kTwoCalls || way == Way::kOneCall; }
 
 /// A scene with agents at a server, and what a tick sends.
 struct Game {
-  client::Client client;
+  client::Client client, echo;
   std::vector<std::uint64_t> agents{};
   std::vector<double> origins{}, directions{}, tmax{};
   double size = 1;
@@ -72,25 +83,31 @@ Status put_agents(Game& game, std::size_t count) {
   return {};
 }
 
-/// Makes one tick, and returns whether it went well.
-Status tick(const Game& game, Way way, std::size_t number, const client::HitColumns& hits) {
+/// Makes one tick, and returns what the server says of its rays.
+Result<client::CastReport> tick(const Game& game, Way way, std::size_t number,
+                                const client::HitColumns& hits) {
   const client::CastOptions any{.kind = client::QueryKind::kAny};
   if (way == Way::kOneCall) {
     const auto done =
         game.client.apply_and_cast(kRemoteScene, game.moves(number), game.rays(), hits, any);
-    return done ? Status() : Status(error_of(done.error()));
+    if (!done) return error_of(done.error());
+    return done->cast;
   }
   if (way == Way::kTwoCalls) {
     const auto applied = game.client.apply(kRemoteScene, game.moves(number));
     if (!applied) return error_of(applied.error());
   }
-  const auto cast = game.client.cast(kRemoteScene, game.rays(), hits, any);
-  return cast ? Status() : Status(error_of(cast.error()));
+  std::vector<double> echoed(way == Way::kEcho ? game.tmax.size() : 0);
+  const auto cast = way == Way::kEcho
+                        ? game.echo.cast(kRemoteScene, game.rays(), {.t = echoed})
+                        : game.client.cast(kRemoteScene, game.rays(), hits, any);
+  if (!cast) return error_of(cast.error());
+  return *cast;
 }
 
 Result<Row> play(const Game& game, Way way, const TickOptions& options) {
   std::vector<std::uint8_t> hit(game.tmax.size());
-  std::vector<double> us;
+  std::vector<double> us, queue_us, trace_us;
   const std::chrono::duration<double> period(1 / options.rate);
   const std::size_t warm = 30;
   const auto begun = Clock::now();
@@ -98,20 +115,26 @@ Result<Row> play(const Game& game, Way way, const TickOptions& options) {
     std::this_thread::sleep_until(
         begun + std::chrono::duration_cast<Clock::duration>(period * static_cast<double>(i)));
     const auto before = Clock::now();
-    if (Status done = tick(game, way, i, {.hit = hit}); !done) return done.error();
-    if (i >= warm)
-      us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - before).count());
+    const auto done = tick(game, way, i, {.hit = hit});
+    if (!done) return done.error();
+    if (i < warm) continue;
+    us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - before).count());
+    queue_us.push_back(static_cast<double>(done->queue_us));
+    trace_us.push_back(static_cast<double>(done->trace_us));
   }
   constexpr double kTick = 2000;
   Row row;
   row["way"] = name_of(way);
   row["ticks"] = options.ticks;
-  row["agents"] = way == Way::kCastAlone ? 0 : options.agents;
+  row["agents"] = moves(way) ? options.agents : 0;
   row["rays"] = options.rays;
   row["p50_us"] = quantile(us, 0.5);
   row["p99_us"] = quantile(us, 0.99);
   row["max_us"] = *std::max_element(us.begin(), us.end());
   row["over_2_ms"] = std::count_if(us.begin(), us.end(), [](double x) { return x > kTick; });
+  if (way == Way::kEcho) return row;
+  row["queue_p50_us"] = quantile(queue_us, 0.5);
+  row["trace_p50_us"] = quantile(trace_us, 0.5);
   row["hits"] = std::count(hit.begin(), hit.end(), 1);
   return row;
 }
@@ -125,9 +148,12 @@ Result<std::vector<Row>> run_tick(const CommonOptions& common, const TickOptions
   if (!rays) return rays.error();
   const auto server = PeerProcess::start_server(common.threads, true);
   if (!server) return server.error();
+  const auto echo = PeerProcess::start_echo();
+  if (!echo) return echo.error();
   auto client = client::Client::connect((*server)->endpoint());
-  if (!client) return error_of(client.error());
-  Game game{.client = *std::move(client)};
+  auto to_echo = client::Client::connect((*echo)->endpoint());
+  if (!client || !to_echo) return error_of((!client ? client : to_echo).error());
+  Game game{.client = *std::move(client), .echo = *std::move(to_echo)};
   if (Status ready = upload(game.client, *scene); !ready) return ready.error();
   for (const accel::geometry::Ray& ray : *rays) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -139,7 +165,7 @@ Result<std::vector<Row>> run_tick(const CommonOptions& common, const TickOptions
   }
   if (Status put = put_agents(game, options.agents); !put) return put.error();
   std::vector<Row> rows;
-  for (const Way way : {Way::kCastAlone, Way::kTwoCalls, Way::kOneCall}) {
+  for (const Way way : {Way::kEcho, Way::kCastAlone, Way::kTwoCalls, Way::kOneCall}) {
     auto row = play(game, way, options);
     if (!row) return row.error();
     Row whole;
