@@ -7,6 +7,7 @@
 #include <array>
 #include <utility>
 
+#include "accel/wide/packet.h"
 #include "scenegraph/query/build.h"
 #include "server/exec/rpc_status.h"
 #include "server/queries/asked_shard.h"
@@ -25,7 +26,7 @@ constexpr std::size_t kIdleRays = 256;
 // What a thread that has read a cast does for it by itself: rays between two looks at the clock,
 // and about the time that it takes to wake a worker up. Moved instances whose trees it builds,
 // which takes less than that.
-constexpr std::size_t kRaysAtOnce = 64;
+constexpr std::size_t kRaysAtOnce = accel::wide::kLanes;
 static_assert(kRaysAtOnce % kRaysPerBitsByte == 0);
 constexpr std::chrono::microseconds kMostAtOnce{250};
 constexpr std::uint64_t kFewMoved = 256;
@@ -191,8 +192,8 @@ bool CastJob::builds_first() const {
 
 /// Whether a few rays may be answered in the thread that asks: it must neither build nor wait.
 bool CastJob::is_immediate() const {
-  if (begun_ || is_sharded() || batch_.size() > kImmediateCast || query_.kind == scenegraph::QueryKind::kAll ||
-      query_.shard || query_.sides ||
+  if (begun_ || is_sharded() || batch_.size() > kImmediateCast ||
+      query_.kind == scenegraph::QueryKind::kAll || query_.shard || query_.sides ||
       (query_.growth == scenegraph::Growth::kFull && !snapshot_->is_complete()))
     return false;
   return scenegraph::query::open_moved(*snapshot_, kFewMoved);

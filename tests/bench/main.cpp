@@ -77,8 +77,8 @@ int run(const CommonOptions& common, const Verb& verb) {
 }
 
 // What the process does that measures a remote cast's least cost; not for people.
-int serve_echo() {
-  const Status served = run_echo_service();
+int serve_echo(const std::string& socket) {
+  const Status served = run_echo_service(socket);
   return served.ok() ? 0 : kFailed;
 }
 
@@ -104,8 +104,8 @@ int main_checked(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
-    if (argc == 2 && std::string_view(argv[1]) == sightline::bench::kEchoVerb)
-      return sightline::bench::serve_echo();
+    if (argc >= 2 && std::string_view(argv[1]) == sightline::bench::kEchoVerb)
+      return sightline::bench::serve_echo(argc == 3 ? argv[2] : "");
     return sightline::bench::main_checked(argc, argv);
   } catch (const std::exception& error) {
     fmt::print(stderr, "sightline-bench: {}\n", error.what());

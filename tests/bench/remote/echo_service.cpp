@@ -6,6 +6,7 @@
 
 #include <cstdio>
 #include <memory>
+#include <string>
 
 #include "sightline/v1/query.grpc.pb.h"
 
@@ -60,11 +61,13 @@ class EchoService final : public v1::RayQueryService::CallbackService {
 
 }  // namespace
 
-Status run_echo_service() {
+Status run_echo_service(const std::string& socket) {
   EchoService service;
   grpc::ServerBuilder builder;
   int port = 0;
   builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
+  if (!socket.empty())
+    builder.AddListeningPort("unix:" + socket, grpc::InsecureServerCredentials());
   builder.RegisterService(&service);
   const std::unique_ptr<grpc::Server> server = builder.BuildAndStart();
   if (server == nullptr) return Error{Code::kUnavailable, "no port for the echo service", "PORT"};

@@ -39,6 +39,16 @@ double processor_seconds(pid_t process) {
   return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
 }
 
+PeerProcess::~PeerProcess() {
+  std::error_code error;
+  if (!socket_.empty()) std::filesystem::remove(socket_, error);
+}
+
+void PeerProcess::use_socket(const std::string& path) {
+  socket_ = path;
+  endpoint_ = "unix:" + path;
+}
+
 Result<std::unique_ptr<PeerProcess>> PeerProcess::start(const std::string& program,
                                                         const std::vector<std::string>& arguments) {
   std::unique_ptr<PeerProcess> peer(new PeerProcess(program, arguments));
@@ -51,17 +61,24 @@ Result<std::unique_ptr<PeerProcess>> PeerProcess::start(const std::string& progr
 }
 
 Result<std::unique_ptr<PeerProcess>> PeerProcess::start_server(int threads, bool unix_socket) {
-  const std::string path = "unix:" + (std::filesystem::temp_directory_path() /
-                                      ("sightline-bench-" + std::to_string(getpid()) + ".sock"))
-                                         .string();
-  auto peer = start(SIGHTLINED, {"--listen", unix_socket ? path : "127.0.0.1:0", "--threads",
-                                 std::to_string(threads)});
-  if (peer && unix_socket) (*peer)->endpoint_ = path;
+  const std::string path = (std::filesystem::temp_directory_path() /
+                            ("sightline-bench-" + std::to_string(getpid()) + ".sock"))
+                               .string();
+  auto peer = start(SIGHTLINED, {"--listen", unix_socket ? "unix:" + path : "127.0.0.1:0",
+                                 "--threads", std::to_string(threads)});
+  if (peer && unix_socket) (*peer)->use_socket(path);
   return peer;
 }
 
-Result<std::unique_ptr<PeerProcess>> PeerProcess::start_echo() {
-  return start(std::filesystem::read_symlink("/proc/self/exe"), {kEchoVerb});
+Result<std::unique_ptr<PeerProcess>> PeerProcess::start_echo(bool unix_socket) {
+  const std::string path = (std::filesystem::temp_directory_path() /
+                            ("sightline-echo-" + std::to_string(getpid()) + ".sock"))
+                               .string();
+  auto peer = start(std::filesystem::read_symlink("/proc/self/exe"),
+                    unix_socket ? std::vector{std::string(kEchoVerb), path}
+                                : std::vector{std::string(kEchoVerb)});
+  if (peer && unix_socket) (*peer)->use_socket(path);
+  return peer;
 }
 
 }  // namespace sightline::bench

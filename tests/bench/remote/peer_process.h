@@ -21,11 +21,16 @@ double processor_seconds(pid_t process);
 /// Threads: one.
 class PeerProcess {
  public:
+  /// Ends the process, and removes its Unix socket.
+  ~PeerProcess();
+  PeerProcess(const PeerProcess&) = delete;
+  PeerProcess& operator=(const PeerProcess&) = delete;
+
   /// The server of this build, with this number of workers for queries, at a port or at a Unix
   /// socket.
   static Result<std::unique_ptr<PeerProcess>> start_server(int threads, bool unix_socket = false);
-  /// The service of echo_service.h.
-  static Result<std::unique_ptr<PeerProcess>> start_echo();
+  /// The service of echo_service.h, at its port or at its Unix socket.
+  static Result<std::unique_ptr<PeerProcess>> start_echo(bool unix_socket = false);
 
   const std::string& endpoint() const { return endpoint_; }
   pid_t id() const { return process_.id(); }
@@ -36,7 +41,9 @@ class PeerProcess {
       : process_(program, arguments) {}
   static Result<std::unique_ptr<PeerProcess>> start(const std::string& program,
                                                     const std::vector<std::string>& arguments);
+  void use_socket(const std::string& path);
 
+  std::string socket_;  // a path; empty: it has none
   tests::ChildProcess process_;
   std::string endpoint_;
 };

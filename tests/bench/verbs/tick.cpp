@@ -98,9 +98,8 @@ Result<client::CastReport> tick(const Game& game, Way way, std::size_t number,
     if (!applied) return error_of(applied.error());
   }
   std::vector<double> echoed(way == Way::kEcho ? game.tmax.size() : 0);
-  const auto cast = way == Way::kEcho
-                        ? game.echo.cast(kRemoteScene, game.rays(), {.t = echoed})
-                        : game.client.cast(kRemoteScene, game.rays(), hits, any);
+  const auto cast = way == Way::kEcho ? game.echo.cast(kRemoteScene, game.rays(), {.t = echoed})
+                                      : game.client.cast(kRemoteScene, game.rays(), hits, any);
   if (!cast) return error_of(cast.error());
   return *cast;
 }
@@ -148,7 +147,7 @@ Result<std::vector<Row>> run_tick(const CommonOptions& common, const TickOptions
   if (!rays) return rays.error();
   const auto server = PeerProcess::start_server(common.threads, true);
   if (!server) return server.error();
-  const auto echo = PeerProcess::start_echo();
+  const auto echo = PeerProcess::start_echo(true);
   if (!echo) return echo.error();
   auto client = client::Client::connect((*server)->endpoint());
   auto to_echo = client::Client::connect((*echo)->endpoint());
