@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
-import math
-from typing import Any, List, Optional, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 
 import numpy as np
 
 from . import _proto
 from ._arrays import Broadcast, Rows, bits, reals, triples
-
-_MOST_IN_A_ROW = 1 << 20
+from ._generated import Generated, size, vector
+from ._types import Array, Doubles
 
 
 class Points(Rows):
@@ -21,23 +20,23 @@ class Points(Rows):
     arrays may be views of the caller's, of any strides. position_type: what the positions were given as.
     """
 
-    def __init__(self, shape: Tuple[int, ...], positions: np.ndarray, max_distance: Optional[np.ndarray],
-                 masks: Optional[np.ndarray], position_type: Optional[np.dtype] = None):
+    def __init__(self, shape: Tuple[int, ...], positions: Array, max_distance: Optional[Array],
+                 masks: Optional[Array], position_type: Optional[np.dtype[Any]] = None):
         super().__init__(shape, positions.dtype)
         self.positions, self.max_distance, self.masks = positions, max_distance, masks
         self.position_type = position_type or positions.dtype
 
-    def some(self, rows: np.ndarray) -> "Points":
+    def some(self, rows: Array) -> "Points":
         """Those with these numbers (m)."""
         bound, masks = (None if column is None else column[rows] for column in (self.max_distance, self.masks))
         return Points((len(rows),), self.positions[rows], bound, masks, self.position_type)
 
-    def columns(self) -> "List[Optional[np.ndarray]]":
+    def columns(self) -> "List[Optional[Array]]":
         return [self.positions, self.max_distance, self.masks]
 
 
 @dataclasses.dataclass(frozen=True)
-class PointGrid:
+class PointGrid(Generated):
     """Points in equal steps, which the server makes: point (k, j, i) is origin + i across + j down + k deep.
 
     origin, across, down, deep: (3), finite. columns, rows, layers: how many values i, j and k have, from 0, at most
@@ -57,13 +56,9 @@ class PointGrid:
 
     def __post_init__(self) -> None:
         for name in ("origin", "across", "down", "deep"):
-            vector = reals(getattr(self, name), name)
-            if vector.shape != (3,) or not np.isfinite(vector).all():
-                raise ValueError(f"{name} has three finite numbers, not {getattr(self, name)!r}")
-            object.__setattr__(self, name, tuple(vector.astype("f8").tolist()))
-        for size in self.shape:
-            if not 1 <= size <= _MOST_IN_A_ROW:
-                raise ValueError(f"columns, rows and layers are from 1 to {_MOST_IN_A_ROW}, not {size}")
+            object.__setattr__(self, name, vector(getattr(self, name), name))
+        for along in self.shape:
+            size(along, "each of columns, rows and layers")
         bits(self.mask)
 
     @property
@@ -72,22 +67,28 @@ class PointGrid:
         return (self.rows, self.columns) if self.layers is None else (self.layers, self.rows, self.columns)
 
     @property
-    def count(self) -> int:
-        """How many points there are."""
-        return math.prod(self.shape)
+    def dims(self) -> Tuple[str, ...]:
+        return ("row", "column") if self.layers is None else ("layer", "row", "column")
 
-    def positions(self) -> np.ndarray:
+    @property
+    def coordinates(self) -> "Dict[str, Tuple[Tuple[str, ...], Doubles]]":
+        """Where the points are."""
+        positions = self.positions()
+        return {name: (self.dims, positions[..., axis]) for axis, name in enumerate("xyz")}
+
+    def positions(self) -> Doubles:
         """float64 (*shape, 3): the points, bit for bit as the server makes them."""
         return self._made(np.arange(self.count)).reshape(*self.shape, 3)
 
-    def some(self, rows: np.ndarray) -> Points:
+    def some(self, rows: Array) -> Points:
         """Those with these numbers (m)."""
         return as_points(self._made(rows), self.max_distance, self.mask)
 
-    def _made(self, number: np.ndarray) -> np.ndarray:
+    def _made(self, number: Array) -> Array:
         i, j, k = number % self.columns, number // self.columns % self.rows, number // self.columns // self.rows
         origin, across, down, deep = map(np.array, (self.origin, self.across, self.down, self.deep))
-        return origin + i[:, None] * across + j[:, None] * down + k[:, None] * deep
+        made: Array = origin + i[:, None] * across + j[:, None] * down + k[:, None] * deep
+        return made
 
     def message(self) -> Any:
         """A message PointGrid of all points."""
@@ -109,7 +110,14 @@ def as_points(points: Any, max_distance: Any = None, masks: Any = None) -> Point
     positions = triples(points, "points")
     bound = None if max_distance is None else reals(max_distance, "max_distance")
     columns = Broadcast([positions], [bound], bits(masks))
-    return Points(columns.shape, *columns.vectors, *columns.numbers, columns.masks, positions.dtype)
+    return Points(columns.shape, columns.vectors[0], columns.numbers[0], columns.masks, positions.dtype)
+
+
+def check_grid(points: Any, max_distance: Any, masks: Any) -> None:
+    """TypeError: what the server makes are rays, not points; and as check_bounds()."""
+    if not isinstance(points, PointGrid):
+        raise TypeError(f"points are an array or a PointGrid, not {type(points).__name__}")
+    check_bounds(points, max_distance, masks)
 
 
 def check_bounds(points: Any, max_distance: Any, masks: Any) -> None:

@@ -55,7 +55,7 @@ def _methods() -> "dict[str, Method]":
     return found
 
 
-_enumerators = {value.name: value.number for file in _files.file if file.package == PACKAGE
+_enumerators: "dict[str, int]" = {value.name: value.number for file in _files.file if file.package == PACKAGE
                 for enum in file.enum_type for value in enum.value}
 methods = _methods()
 
