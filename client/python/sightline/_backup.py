@@ -9,7 +9,9 @@ from __future__ import annotations
 import hashlib
 import os
 import pathlib
-from typing import Any, BinaryIO, Iterator, List, Optional
+from typing import Any, BinaryIO, Callable, Iterator, List, Optional, Tuple
+
+from google.protobuf.message import DecodeError
 
 from . import _proto, errors
 from ._connection import Connection
@@ -30,33 +32,48 @@ def backup(connection: Connection, directory: Path, scene: str, timeout: Optiona
     folder.mkdir(parents=True, exist_ok=True)
     if any(folder.iterdir()):
         raise errors.FailedPrecondition(f"{folder} is not empty: name a new directory", "BACKUP_NOT_EMPTY")
-    begun: "Optional[BackupScene]" = None
-    scenes: "List[BackupScene]" = []
     incomplete = folder / _INCOMPLETE
-    sha = hashlib.sha256()
-    with incomplete.open("xb") as file, reporter(progress, None, "B") as report:
-        with connection.stream("Backup", _proto.BackupRequest(scene=scene), timeout, scene) as stream:
-            for message in stream:
-                part = message.part
-                kind = part.WhichOneof("content")
-                if kind == "scene":
-                    begun = BackupScene(part.scene.scene.name, part.scene.base, part.scene.revision)
-                elif kind == "end" and begun is not None:
-                    scenes.append(begun)
-                data = part.SerializeToString()
-                data = len(data).to_bytes(4, "little") + data
-                sha.update(data)
-                file.write(data)
-                report(len(data))
-        file.flush()
-        os.fsync(file.fileno())
+    try:
+        with incomplete.open("xb") as file, reporter(progress, None, "B") as report:
+            scenes, total = _receive(connection, file, scene, timeout, report)
+    except BaseException:
+        incomplete.unlink()  # the directory may be named again
+        raise
     with (folder / _SUMS).open("x") as sums:
-        sums.write(f"{sha.hexdigest()}  {_PARTS}\n")
+        sums.write(_sums_line(total))
         sums.flush()
         os.fsync(sums.fileno())
     incomplete.rename(folder / _PARTS)
     _sync(folder)
     return scenes
+
+
+def _receive(connection: Connection, file: BinaryIO, scene: str, timeout: Optional[float],
+             report: "Callable[[int], None]") -> "Tuple[List[BackupScene], str]":
+    """Writes the parts. Returns the scenes and the sum of the bytes."""
+    begun: "Optional[BackupScene]" = None
+    scenes: "List[BackupScene]" = []
+    sha = hashlib.sha256()
+    with connection.stream("Backup", _proto.BackupRequest(scene=scene), timeout, scene) as stream:
+        for message in stream:
+            part = message.part
+            kind = part.WhichOneof("content")
+            if kind == "scene":
+                begun = BackupScene(part.scene.scene.name, part.scene.base, part.scene.revision)
+            elif kind == "end" and begun is not None:
+                scenes.append(begun)
+            data = part.SerializeToString()
+            data = len(data).to_bytes(4, "little") + data
+            sha.update(data)
+            file.write(data)
+            report(len(data))
+    file.flush()
+    os.fsync(file.fileno())
+    return scenes, sha.hexdigest()
+
+
+def _sums_line(total: str) -> str:
+    return f"{total}  {_PARTS}\n"
 
 
 def restore(connection: Connection, directory: Path, scene: str, revision: Optional[int], timeout: Optional[float],
@@ -100,11 +117,7 @@ def _parts(file: BinaryIO, path: pathlib.Path) -> "Iterator[Any]":
             raise _not_whole(path)
         try:
             yield size + 4, _proto.BackupPart.FromString(data)
-        except ValueError:
-            raise _not_whole(path) from None
-        except Exception as error:  # protobuf's DecodeError is no ValueError
-            if type(error).__name__ != "DecodeError":
-                raise
+        except DecodeError:
             raise _not_whole(path) from None
 
 
@@ -114,7 +127,7 @@ def _check_sum(file: BinaryIO, path: pathlib.Path) -> None:
         sha.update(block)
     file.seek(0)
     with (path.parent / _SUMS).open() as sums:
-        if sums.readline() != f"{sha.hexdigest()}  {_PARTS}\n":
+        if sums.readline() != _sums_line(sha.hexdigest()):
             raise _not_whole(path)
 
 

@@ -40,7 +40,10 @@ def import_file(connection: Connection, program: str, scene: str, file: Path, *,
     arguments = [program, *options, "--json", "scene", "import", *flags, "--", scene, path]
     out, told, status = _run(arguments, {**os.environ, **variables})
     if status != 0:
-        raise _error(told, status)
+        error = _error(told, status)
+        if isinstance(error, errors.AlreadyExists):
+            error = errors.AlreadyExists(f"scene {scene} exists: replace=True imports in its place", "SCENE_EXISTS")
+        raise error
     for warning in json.loads(out).get("warnings", ()):
         warn(str(warning.get("message", warning) if isinstance(warning, dict) else warning), FileWarning)
 

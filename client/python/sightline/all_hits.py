@@ -101,7 +101,7 @@ class AllHits(Answer):
 
     def __repr__(self) -> str:
         cut = int(self.cut_off.sum())
-        return f"<{type(self).__name__} {self.shape}: {len(self)} of {len(self.offset) - 1} {self._ROW}s" \
+        return f"<{type(self).__name__} {self.shape}: {len(self)} hits of {len(self.offset) - 1} {self._ROW}s" \
                f"{f', {cut} cut off' if cut else ''}{self._summary()}>"
 
     def to_pandas(self) -> Any:

@@ -191,7 +191,10 @@ class Client:
         file; InvalidArgument, the file cannot be read; ValueError, a word that the command does not know;
         AlreadyExists, ResourceExhausted. Warnings: FileWarning, what was left out or changed.
         """
-        scene = resource_name(name)
+        made = _new_scene(name, up_axis, meters_per_unit or 0)
+        if mobility is not None:
+            updates.check_mobility(mobility)
+        scene = str(made.name)
         _import_file.import_file(self._connection, find_program("sightline", program, "SIGHTLINE"), scene, path,
                                  replace=replace, allow_empty=allow_empty, up_axis=up_axis, meters_per_unit=meters_per_unit,
                                  mobility=mobility, timeout=timeout)

@@ -81,8 +81,8 @@ def put_node(node: int, parent: int = 0, name: str = "", transform: Any = None, 
              mobility: Optional[str] = None, mask: Optional[int] = None) -> PutNode:
     """Makes (node < 0, an alias) or replaces a node. Errors: ValueError, another mobility, a transform of another
     shape, a mask of more than 32 bits."""
-    if mobility is not None and mobility not in MOBILITIES:
-        raise ValueError(f"mobility is {', '.join(MOBILITIES)}, not {mobility!r}")
+    if mobility is not None:
+        check_mobility(mobility)
     if mask is not None and not 0 <= mask <= ALL_BITS:
         raise ValueError(f"a mask has 32 bits, not {mask}")
     matrix = np.eye(3, 4) if transform is None else as_matrix(transform)
@@ -135,6 +135,12 @@ def encode(change: Update) -> Any:
             nodes=np.asarray(change.nodes).tolist(), first=change.first,
             positions=np.ascontiguousarray(change.vertices, "<f4").tobytes()))
     raise TypeError(f"a change is one of sightline.updates, not {type(change).__name__}")
+
+
+def check_mobility(mobility: str) -> None:
+    """ValueError: it is another word."""
+    if mobility not in MOBILITIES:
+        raise ValueError(f"mobility is {', '.join(MOBILITIES)}, not {mobility!r}")
 
 
 def mobility_name(number: int) -> str:

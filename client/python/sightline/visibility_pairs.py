@@ -19,7 +19,8 @@ class VisibilityPairs(Generated):
     that kind="any" tells what is hidden. A small `tmin` passes over the surface at the first point.
 
     from_points (a, 3), to_points (b, 3), real: each with each, of shape (a, b). pairs (k, 2), integers: only these rows
-    of both, of shape (k). At most 16,384 of each. tmin, tmax, mask: every ray's. Errors: TypeError, ValueError.
+    of both, of shape (k). At most 16,384 of each. A ray of a point that is not
+    finite is answered as invalid. tmin, tmax, mask: every ray's. Errors: TypeError, ValueError.
     """
 
     def __init__(self, from_points: Any, to_points: Any, pairs: Any = None, *, tmin: Optional[float] = None,
@@ -57,8 +58,6 @@ def _points(value: Any, name: str) -> Array:
     points = triples(value, name)
     if points.ndim != 2 or not 1 <= len(points) <= _MOST:
         raise ValueError(f"{name} has the shape (n, 3), with n from 1 to {_MOST}, not {points.shape}")
-    if not np.isfinite(points).all():
-        raise ValueError(f"{name} has a number that is not finite")
     return points
 
 
