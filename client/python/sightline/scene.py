@@ -224,9 +224,9 @@ class Scene(RayQueries, PointQueries):
         self._change(changes, [])
 
     def apply(self, changes: "Iterable[updates.Update]", expected_revision: Optional[int] = None) -> Applied:
-        """Applies changes of sightline.updates, such as those that a watch tells, as one revision; all or none, and
-        once, even if the call is repeated. Errors: TypeError, ValueError, what is no change; Aborted, the scene is not
-        at the expected revision; those of the changes."""
+        """Applies changes of sightline.updates as one revision; all or none, and once, even if the call is repeated. Those
+        that a watch tells fit another scene of the same nodes, but that a PutNode of a new node needs an alias. Errors:
+        TypeError, what is no change; Aborted, the scene is not at the expected revision; those of the changes."""
         return apply(self._connection, self.name, changes, expected_revision)
 
     def batch(self, expected_revision: Optional[int] = None) -> Batch:
