@@ -13,6 +13,7 @@ classes for programs that were written for trimesh and Open3D.
 """
 
 from . import errors, updates
+from ._as_points import as_points
 from ._proto import version as __version__
 from ._warnings import FileWarning, PrecisionWarning
 from .all_hits import AllHits
@@ -34,7 +35,8 @@ from .node_mesh import NodeMesh
 from .nodes import Node
 from .picture import Picture
 from .pinhole import Pinhole
-from .points import PointGrid, Points, as_points
+from .point_grid import PointGrid
+from .points import Points
 from .prefetch_report import PrefetchReport
 from .rays import Rays, as_rays
 from .restored_scene import RestoredScene

@@ -24,7 +24,8 @@ from .all_nearest import AllNearest
 from .applied import Applied
 from .hits import Hits
 from .nearest import Nearest
-from .points import PointGrid, Points
+from .point_grid import PointGrid
+from .points import Points
 from .rays import Rays
 
 Progress = Callable[[int], None]  # called with how many more rays are answered

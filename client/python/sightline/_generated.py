@@ -10,6 +10,7 @@ from ._arrays import bits, reals
 from ._types import Doubles
 
 MOST_IN_A_ROW = 1 << 20
+Triple = Any  # three numbers, in any form that NumPy takes; a tuple of floats once they are checked
 
 
 class Generated:

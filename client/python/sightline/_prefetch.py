@@ -13,7 +13,8 @@ from ._generated import Generated
 from ._progress import Amount
 from ._query import KINDS
 from ._retries import sleep
-from .points import PointGrid, Points
+from .point_grid import PointGrid
+from .points import Points
 from .prefetch_report import PrefetchReport
 
 _ATTEMPTS = 4  # without an answer between them

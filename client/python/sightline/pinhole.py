@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Any, Optional, Tuple
+from typing import Any, Optional, Sequence, Tuple
 
 import numpy as np
 
 from . import _proto
-from ._generated import Generated, generator, size, vector
+from ._generated import Generated, Triple, generator, size, vector
 from ._types import Doubles
 
 _MOST_SAMPLES = 64
@@ -25,13 +25,13 @@ class Pinhole(Generated):
     ray's. Errors: TypeError, ValueError.
     """
 
-    eye: Tuple[float, float, float]
-    corner: Tuple[float, float, float]
-    across: Tuple[float, float, float]
-    down: Tuple[float, float, float]
+    eye: Triple
+    corner: Triple
+    across: Triple
+    down: Triple
     width: int
     height: int
-    samples: Optional[Tuple[Tuple[float, float], ...]] = None
+    samples: Optional[Sequence[Sequence[float]]] = None
     tmin: Optional[float] = None
     tmax: Optional[float] = None
     mask: Optional[int] = None
@@ -47,7 +47,7 @@ class Pinhole(Generated):
 
     @classmethod
     def looking_at(cls, eye: Any, at: Any, up: Any, width: int, height: int, fov: float = 40.0,
-                   samples: "Optional[Tuple[Tuple[float, float], ...]]" = None) -> "Pinhole":
+                   samples: "Optional[Sequence[Sequence[float]]]" = None) -> "Pinhole":
         """A camera at `eye` that looks at `at`. fov: degrees from the bottom of the picture to its top."""
         if width < 1 or height < 1 or not 0 < fov < 180:
             raise ValueError("a picture has at least one pixel, and fov is between 0 and 180 degrees")

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any, Iterator, Literal, Optional, Union, overload
 
 from . import _out, _query, _types
+from ._as_points import as_points, check_grid
 from ._precision import warn_of_points
 from ._queried import AnyNode, Changes, Nodes, Queried, is_generated, is_iterator, one_root, refuse_out
 from .all_nearest import AllNearest
 from .nearest import Nearest
-from .points import as_points, check_grid
 
 Kind = Literal["closest", "any", "count"]  # the kinds with a row for each point
 

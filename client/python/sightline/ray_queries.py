@@ -9,7 +9,7 @@ from ._precision import warn_of_origins
 from ._queried import AnyNode, Changes, Nodes, Queried, is_generated, is_iterator, one_root, refuse_beside, refuse_out
 from .all_hits import AllHits
 from .hits import Hits
-from .points import PointGrid
+from .point_grid import PointGrid
 from .rays import as_rays
 
 Kind = Literal["closest", "any", "count"]  # the kinds with a row for each ray

@@ -8,6 +8,7 @@ from typing import Any, Dict, Iterable, Iterator, List, Optional, Tuple
 import numpy as np
 
 from . import _proto, _types, updates
+from ._as_points import as_points, check_grid
 from ._lattice import Placement
 from ._node_table import read_nodes
 from ._prefetch import prefetch
@@ -25,8 +26,8 @@ from .node_info import NodeInfo
 from .node_mesh import NodeMesh
 from .nodes import Node, patches, translation
 from .picture import Picture, render
+from .point_grid import PointGrid
 from .point_queries import PointQueries
-from .points import PointGrid, as_points, check_grid
 from .prefetch_report import PrefetchReport
 from .ray_queries import RayQueries
 from .rays import as_rays

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Dict, Optional, Sequence, Tuple
 
 import numpy as np
 
 from . import _proto
-from ._generated import Generated, generator, size, vector
+from ._generated import Generated, Triple, generator, size, vector
 from ._types import Doubles
 
 _MOST_RADIANS = 64.0
@@ -25,14 +25,14 @@ class SphericalScan(Generated):
     tmax, mask: every ray's. Errors: TypeError, ValueError.
     """
 
-    origin: Tuple[float, float, float]
+    origin: Triple
     columns: int
     rows: int
-    azimuth: Tuple[float, float] = (-math.pi, math.pi)
-    elevation: Tuple[float, float] = (-math.pi / 2, math.pi / 2)
-    forward: Tuple[float, float, float] = (1.0, 0.0, 0.0)
-    left: Tuple[float, float, float] = (0.0, 1.0, 0.0)
-    up: Tuple[float, float, float] = (0.0, 0.0, 1.0)
+    azimuth: Sequence[float] = (-math.pi, math.pi)
+    elevation: Sequence[float] = (-math.pi / 2, math.pi / 2)
+    forward: Triple = (1.0, 0.0, 0.0)
+    left: Triple = (0.0, 1.0, 0.0)
+    up: Triple = (0.0, 0.0, 1.0)
     tmin: Optional[float] = None
     tmax: Optional[float] = None
     mask: Optional[int] = None
@@ -76,5 +76,5 @@ def _interval(value: Any, name: str) -> "Tuple[float, float]":
     return begin, end
 
 
-def _middles(interval: "Tuple[float, float]", parts: int) -> Doubles:
+def _middles(interval: "Sequence[float]", parts: int) -> Doubles:
     return interval[0] + (np.arange(parts) + 0.5) / parts * (interval[1] - interval[0])
