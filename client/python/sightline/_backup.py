@@ -11,18 +11,15 @@ import os
 import pathlib
 from typing import Any, BinaryIO, Callable, Iterator, List, Optional, Tuple
 
-from google.protobuf.message import DecodeError
-
 from . import _proto, errors
+from ._backup_reader import PARTS, SUMS, BackupReader
 from ._connection import Connection
 from ._progress import reporter
 from ._types import Path, Progress
 from .backup_scene import BackupScene
 from .restored_scene import RestoredScene
 
-_PARTS, _INCOMPLETE, _SUMS = "scenes.parts", "incomplete", "SHA256SUMS"
-_LARGEST_PART = 64 << 20
-_BLOCK = 1 << 20
+_INCOMPLETE = "incomplete"  # the name of the parts while they come
 
 
 def backup(connection: Connection, directory: Path, scene: str, timeout: Optional[float],
@@ -39,11 +36,11 @@ def backup(connection: Connection, directory: Path, scene: str, timeout: Optiona
     except BaseException:
         incomplete.unlink()  # the directory may be named again
         raise
-    with (folder / _SUMS).open("x") as sums:
-        sums.write(_sums_line(total))
+    with (folder / SUMS).open("x") as sums:
+        sums.write(f"{total}  {PARTS}\n")
         sums.flush()
         os.fsync(sums.fileno())
-    incomplete.rename(folder / _PARTS)
+    incomplete.rename(folder / PARTS)
     _sync(folder)
     return scenes
 
@@ -72,31 +69,23 @@ def _receive(connection: Connection, file: BinaryIO, scene: str, timeout: Option
     return scenes, sha.hexdigest()
 
 
-def _sums_line(total: str) -> str:
-    return f"{total}  {_PARTS}\n"
-
-
 def restore(connection: Connection, directory: Path, scene: str, revision: Optional[int], timeout: Optional[float],
             progress: Progress) -> "List[RestoredScene]":
     """See Client.restore."""
-    path = pathlib.Path(directory) / _PARTS
-    with path.open("rb") as file:
-        _check_sum(file, path)
-        first = _proto.RestoreRequest(scene=scene, revision=revision or 0)
-        with reporter(progress, path.stat().st_size, "B") as report:
-            failed: "List[Exception]" = []
-            try:
-                answer = connection.call("Restore", _requests(file, path, first, report, failed), timeout, light=False)
-            except errors.SightlineError as error:
-                raise failed[0] if failed else error  # gRPC's thread reads the file, and its error ends the call
+    first = _proto.RestoreRequest(scene=scene, revision=revision or 0)
+    failed: "List[Exception]" = []
+    with BackupReader(pathlib.Path(directory)) as reader, reporter(progress, reader.size, "B") as report:
+        try:
+            answer = connection.call("Restore", _requests(reader, first, report, failed), timeout, light=False)
+        except errors.SightlineError as error:
+            raise failed[0] if failed else error  # gRPC's thread reads the file, and its error ends the call
     return [RestoredScene(one.name, one.revision.revision, one.revision.token) for one in answer.scenes]
 
 
-def _requests(file: BinaryIO, path: pathlib.Path, first: Any, report: Any,
-              failed: "List[Exception]") -> "Iterator[Any]":
+def _requests(reader: BackupReader, first: Any, report: Any, failed: "List[Exception]") -> "Iterator[Any]":
     request = first
     try:
-        for size, part in _parts(file, path):
+        for size, part in reader.parts():
             request.part.CopyFrom(part)
             yield request
             report(size)
@@ -104,35 +93,6 @@ def _requests(file: BinaryIO, path: pathlib.Path, first: Any, report: Any,
     except Exception as error:
         failed.append(error)
         raise
-
-
-def _parts(file: BinaryIO, path: pathlib.Path) -> "Iterator[Any]":
-    while True:
-        head = file.read(4)
-        if not head:
-            return
-        size = int.from_bytes(head, "little")
-        data = file.read(size) if len(head) == 4 and size <= _LARGEST_PART else b""
-        if len(data) != size or len(head) != 4:
-            raise _not_whole(path)
-        try:
-            yield size + 4, _proto.BackupPart.FromString(data)
-        except DecodeError:
-            raise _not_whole(path) from None
-
-
-def _check_sum(file: BinaryIO, path: pathlib.Path) -> None:
-    sha = hashlib.sha256()
-    for block in iter(lambda: file.read(_BLOCK), b""):
-        sha.update(block)
-    file.seek(0)
-    with (path.parent / _SUMS).open() as sums:
-        if sums.readline() != _sums_line(sha.hexdigest()):
-            raise _not_whole(path)
-
-
-def _not_whole(path: pathlib.Path) -> errors.DataLoss:
-    return errors.DataLoss(f"{path} is not what was written: restore another backup", "BACKUP_CORRUPT")
 
 
 def _sync(folder: pathlib.Path) -> None:
