@@ -1,4 +1,4 @@
-"""docs/api_table.md names every call and field of the messages, and nothing that is not there."""
+"""docs/api_table.md names every call, field and value of the messages, and nothing that is not there."""
 
 import inspect
 import pathlib
@@ -38,6 +38,16 @@ def fields_of_requests():
     return found
 
 
+def words_of_enumerations():
+    """"Enumeration.VALUE" of all that say something."""
+    found = set()
+    for file in _proto.files.file:
+        for enumeration in file.enum_type if file.package == _proto.PACKAGE else ():
+            prefix = re.sub(r"(?<!^)(?=[A-Z])", "_", enumeration.name).upper() + "_"
+            found.update(f"{enumeration.name}.{value.name[len(prefix):]}" for value in enumeration.value if value.number)
+    return found
+
+
 def resolve(word, objects):
     """What `scene.cast` or `sightline.Pinhole` is; AttributeError."""
     first, *others = word.split(".")
@@ -50,7 +60,7 @@ def resolve(word, objects):
 class ApiTableTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.rows = [row for row in read_rows() if row[0] not in ("call", "field")]
+        cls.rows = [row for row in read_rows() if row[0] not in ("call", "field", "values")]
 
     def test_every_call_and_field_has_one_row(self):
         named = []
@@ -60,7 +70,8 @@ class ApiTableTest(unittest.TestCase):
                 named += [f"{message.strip('`')}.{field}" for field in re.findall(r"`(\w+)`", fields)]
             else:
                 named.append(message.strip("`"))
-        self.assertEqual(sorted(named), sorted(set(_proto.methods) | fields_of_requests()))
+        self.assertEqual(sorted(named), sorted(
+            set(_proto.methods) | fields_of_requests() | words_of_enumerations()))
 
     def test_every_cell_says_something(self):
         for row in self.rows:

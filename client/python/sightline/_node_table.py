@@ -34,6 +34,9 @@ class NodeTable:
         self.revision, self.token = revision, token
         self.nodes = nodes
         self._by_id: "Dict[int, NodeInfo]" = {node.id: node for node in nodes}
+        self._by_name: "Dict[str, List[NodeInfo]]" = {}
+        for node in nodes:
+            self._by_name.setdefault(node.name, []).append(node)
 
     def find(self, word: str) -> int:
         """The id of the one node of this name, or that matches this pattern. Errors: ValueError, several do;
@@ -49,7 +52,7 @@ class NodeTable:
         """Those of matching(). Errors: also NotFound, none."""
         found = self.matching(word)
         if not found:
-            near = difflib.get_close_matches(word, {node.name for node in self.nodes if node.name}, 1)
+            near = difflib.get_close_matches(word, {name for name in self._by_name if name}, 1)
             meant = f", did you mean {near[0]!r}?" if near else ""
             raise errors.NotFound(f"there is no node {word!r}{meant}", "NODE_NOT_FOUND")
         return found
@@ -59,7 +62,7 @@ class NodeTable:
         empty word."""
         if not word:
             raise ValueError("a node is named by an id or a name, which is not empty")
-        found = [node for node in self.nodes if self._is_named(node, word)]
+        found = self._named(word)
         if not found and _SPECIAL.search(word):
             fits = re.compile(fnmatch.translate(word if "/" not in word or word.startswith("/") else "*/" + word)).match
             found = [node for node in self.nodes if fits(self._path(node) if "/" in word else node.name)]
@@ -70,10 +73,13 @@ class NodeTable:
         chosen = {node.id for node in nodes}
         return [number for number in chosen if not any(above in chosen for above in self._above(number))]
 
-    def _is_named(self, node: NodeInfo, word: str) -> bool:
-        if node.name == word or "/" not in word:
-            return node.name == word
-        return self._path(node) == word if word.startswith("/") else self._path(node).endswith("/" + word)
+    def _named(self, word: str) -> "List[NodeInfo]":
+        """By a name, which may have slashes of its own, or by the names of the nodes above, too."""
+        if "/" not in word:
+            return self._by_name.get(word, [])
+        if word.startswith("/"):
+            return [node for node in self.nodes if node.name == word or self._path(node) == word]
+        return [node for node in self.nodes if self._path(node).endswith("/" + word)]
 
     def _path(self, node: NodeInfo) -> str:
         names = [node.name, *(self._by_id[above].name for above in self._above(node.id))]

@@ -143,7 +143,7 @@ class Scene(RayQueries, PointQueries):
 
     def find_all(self, name: str) -> "List[NodeInfo]":
         """The nodes that a name or pattern stands for, as of find(), by id; none: an empty list."""
-        return self._table().matching(name)
+        return list(self._table().matching(name))
 
     def read_mesh(self, node: AnyNode) -> NodeMesh:
         """The mesh of a node as it is now, in the mesh's own frame; of a Node object with an `origin`, that of its
