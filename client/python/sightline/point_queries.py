@@ -76,11 +76,12 @@ class PointQueries(Queried):
         kind: "closest" (the face with the least (distance, node, primitive)), "any" (only whether a face is within
         max_distance), "count" (how many are), "all" (each of them, near to far). max_hits: for "all", the nearest faces
         of a point, at most 16,384: k of them are its k nearest; 0: all within max_distance, up to 16,384, and a warning
-        says how many points have more. fields: of distance node primitive uv normal position hit work name, and of
+        says how many points have more.
+        fields: of distance node primitive uv normal position hit work name, and of
         signed inside votes for closest; None: the first six for closest and all. Answers with node have names, also
-        where these are not named; positions must be. build, under, exclude, at_least, revision, timeout, progress,
-        time_budget, allow_partial, route_key, out, apply: as for cast(); `inside` as uint8: 0 outside, 1 inside, 2
-        invalid, 4 unanswered.
+        where these are not named; positions must be.
+        build, under, exclude, at_least, revision, timeout, progress, time_budget, allow_partial, route_key, out, apply:
+        as for cast(); `inside` as uint8: 0 outside, 1 inside, 2 invalid, 4 unanswered.
 
         side: what tells the inside, for signed, inside and votes: "parity" (a ray from the point crosses an odd number
         of faces: closed meshes), "winding" (it does not cross as many from behind as from the front: closed meshes that

@@ -70,28 +70,32 @@ class RayQueries(Queried):
         a few batches are in memory; the batches are taken by another thread. Or a sightline.SphericalScan, Pinhole or
         VisibilityPairs, whose rays the server makes; their hits have positions unless `fields` leaves them out.
 
-        kind: "closest", "any" (only whether there is a hit), "count" (of distinct (node, primitive)), "all". fields: of
-        t node primitive uv normal hit work position name; None: the first five for closest and all. Hits with t have
-        positions, and those with node have names, also where these are not named; named, the server sends them. build:
-        trees to grow: "lazy" (where rays enter), "full", "none", "built-only"; None: as the server is set. cull: "back"
-        or "front", hits that do not count. under: only this node and those under it exist; exclude: one or several,
-        which do not, with those under them. Nodes are objects, ids, or names: see Scene.find; `exclude` takes all that
-        have a name or match a pattern. Names are looked up at the newest revision. max_hits: for "all", the nearest of
-        a ray; 0: all, however many they are. at_least: a token, of hits or of an update, that the answer must not be
-        older than; revision: answer at it. time_budget: seconds for the cast on the server; rays without an answer by
-        then are marked (`unanswered`), and casting them again goes on from there, since what was built stays.
-        allow_partial: if one of several servers that share the scene is lost, rays that need it are marked likewise,
-        and the cast does not fail. route_key: for balancers that keep each part of a scene on a server of its own:
-        equal keys go to the same server. timeout: seconds. progress: True (a bar by tqdm, if installed) or a function
-        of (done, total). out: arrays by field, such as {"t": t, "node": node}, which are filled and are the answer's;
-        their fields are asked for, if `fields` does not name others beside them. Contiguous, with the leading shape of
-        the rays and the answer's types; hit as uint8: 0 miss, 1 hit, 2 invalid, 4 unanswered. Not for "all", iterators
-        and names. Together with rays in one SharedMemory, nothing is copied. apply: changes of the scene that are
-        applied before, in the same call, all or none and once: an open batch of this scene, or changes of
-        sightline.updates. The rays, as many as one message holds and not of kind "all", are answered at the revision
-        that they make, and `applied` of the hits tells it; under and exclude are ids. If the call is refused, nothing
-        was applied. After another error, such as Unavailable, that is not known: the end of the batch applies what was
-        not.
+        kind: "closest", "any" (only whether there is a hit), "count" (of distinct (node, primitive)), "all".
+        fields: of t node primitive uv normal hit work position name; None: the first five for closest and all. Hits
+        with t have positions, and those with node have names, also where these are not named; named, the server sends
+        them.
+        build: trees to grow: "lazy" (where rays enter), "full", "none", "built-only"; None: as the server is set.
+        cull: "back" or "front", hits that do not count.
+        under: only this node and those under it exist; exclude: one or several, which do not, with those under them.
+        Nodes are objects, ids, or names: see Scene.find; `exclude` takes all that have a name or match a pattern. Names
+        are looked up at the newest revision.
+        max_hits: for "all", the nearest of a ray; 0: all, however many they are.
+        at_least: a token, of hits or of an update, that the answer must not be older than; revision: answer at it.
+        time_budget: seconds for the cast on the server; rays without an answer by then are marked (`unanswered`), and
+        casting them again goes on from there, since what was built stays. allow_partial: if one of several servers that
+        share the scene is lost, rays that need it are marked likewise, and the cast does not fail.
+        route_key: for balancers that keep each part of a scene on a server of its own: equal keys go to the same
+        server.
+        timeout: seconds. progress: True (a bar by tqdm, if installed) or a function of (done, total).
+        out: arrays by field, such as {"t": t, "node": node}, which are filled and are the answer's; their fields are
+        asked for, if `fields` does not name others beside them. Contiguous, with the leading shape of the rays and the
+        answer's types; hit as uint8: 0 miss, 1 hit, 2 invalid, 4 unanswered. Not for "all", iterators and names.
+        Together with rays in one SharedMemory, nothing is copied.
+        apply: changes of the scene that are applied before, in the same call, all or none and once: an open batch of
+        this scene, or changes of sightline.updates. The rays, as many as one message holds and not of kind "all", are
+        answered at the revision that they make, and `applied` of the hits tells it; under and exclude are ids, or
+        names from before. If the call is refused, nothing was applied. After another error, such as Unavailable, that is not known: the end of
+        the batch applies what was not.
 
         Returns Hits, or AllHits for "all", with the leading shape of the rays. Errors: TypeError, ValueError (rays or
         words of another form), OutOfRange (the revision is not kept), DeadlineExceeded, ResourceExhausted (the server
