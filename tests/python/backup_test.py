@@ -98,7 +98,8 @@ class BackupTest(unittest.TestCase):
             (self.folder / "copy/meshes" / digest[7:71]).write_bytes(content)
         parts.write_bytes(b"".join(len(part).to_bytes(4, "little") + part for part in others))
         names = ["scenes.parts", *(f"meshes/{digest[7:71]}" for digest in meshes)]
-        sums.write_text(subprocess.run(["sha256sum", *names], cwd=parts.parent, text=True, capture_output=True, check=True).stdout)
+        sums.write_text(subprocess.run(["sha256sum", *names], cwd=parts.parent, text=True, capture_output=True,
+                                       check=True).stdout)
         self.node.delete()
         with sightline.serve(data_dir=self.folder / "other") as other:
             self.assertEqual(len(other.client.restore(self.folder / "copy")), 2)

@@ -36,7 +36,8 @@ class GeneratedTest(ServerTest):
         self.check(near, SCAN.origin, directions_of(SCAN), tmin=0.1, tmax=0.6)
 
     def test_pinhole(self):
-        camera = sightline.Pinhole.looking_at([2, 2, 3], [0.5, 0.5, 0.5], [0, 0, 1], 30, 20, samples=((0.25, 0.5), (0.75, 0.5)))
+        camera = sightline.Pinhole.looking_at([2, 2, 3], [0.5, 0.5, 0.5], [0, 0, 1], 30, 20,
+                                              samples=((0.25, 0.5), (0.75, 0.5)))
         hits = self.scene.cast(camera)
         self.assertEqual(hits.shape, (20, 30, 2))
         x = (np.arange(30)[:, None] + np.array([0.25, 0.75])) / 30
@@ -89,7 +90,8 @@ class GeneratedTest(ServerTest):
         self.assertEqual(hits.applied.revision, hits.revision)
 
     def test_pickled(self):
-        for made in (SCAN, sightline.VisibilityPairs([[0, 0, 0]], [[1, 1, 1]]), sightline.PointGrid((0, 0, 0), (1, 0, 0), (0, 1, 0), 3, 2)):
+        for made in (SCAN, sightline.VisibilityPairs([[0, 0, 0]], [[1, 1, 1]]),
+                     sightline.PointGrid((0, 0, 0), (1, 0, 0), (0, 1, 0), 3, 2)):
             self.assertEqual(pickle.loads(pickle.dumps(made)).message(), made.message())
 
     def test_what_is_refused(self):

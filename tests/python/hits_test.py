@@ -71,11 +71,11 @@ class HitsTest(ServerTest):
         self.assertEqual(repr(self.scene.cast(rays)), "<Hits (2,): 0 of 2 rays hit, 1 invalid, 0 nodes, revision 1>")
         hits = self.scene.cast(self.rays)
         finite = hits.t[hits.hit]
-        self.assertEqual(repr(hits), f"<Hits (3, 20): {len(finite)} of 60 rays hit, t from {finite.min():.6g} to {finite.max():.6g}, "
-                                     "1 node, revision 1>")
+        self.assertEqual(repr(hits), f"<Hits (3, 20): {len(finite)} of 60 rays hit, t from {finite.min():.6g} to "
+                                     f"{finite.max():.6g}, 1 node, revision 1>")
         every = self.scene.cast(self.rays, kind="all", fields=("node",), max_hits=1)
-        self.assertEqual(repr(every), f"<AllHits (3, 20): {len(every)} hits of 60 rays, {every.cut_off.sum()} cut off, 1 node, "
-                                      "revision 1>")
+        self.assertEqual(repr(every), f"<AllHits (3, 20): {len(every)} hits of 60 rays, {every.cut_off.sum()} cut off, "
+                                      "1 node, revision 1>")
         inside = self.scene.closest([[0, 0, 0]], fields=("inside",))
         self.assertEqual(repr(inside), "<Nearest (1,): 1 points, revision 1>")
 

@@ -76,7 +76,8 @@ class ImportFileTest(ServerTest):
     def test_cancelled(self):
         begun = self.folder / "begun"
         waiting = self.folder / "waiting"
-        waiting.write_text(f"#!{sys.executable}\nimport pathlib, time\npathlib.Path({str(begun)!r}).touch()\ntime.sleep(1000)\n")
+        waiting.write_text(f"#!{sys.executable}\nimport pathlib, time\npathlib.Path({str(begun)!r}).touch()\n"
+                           "time.sleep(1000)\n")
         waiting.chmod(0o755)
 
         async def run():

@@ -49,10 +49,10 @@ class TreesTest(ServerTest):
         self.assertEqual(self.scene.prefetch(under=one).triangles_total, 500)
 
     def test_what_is_refused(self):
-        rays = brute.rays(10)
+        rays, grid = brute.rays(10), sightline.PointGrid((0, 0, 0), (1, 0, 0), (0, 1, 0), 2, 2)
         for error, text, options in ((TypeError, "either", {"rays": rays, "points": rays[:, :3]}),
                                      (TypeError, "max_distance", {"rays": rays, "max_distance": 3}),
-                                     (TypeError, "PointGrid", {"rays": sightline.PointGrid((0, 0, 0), (1, 0, 0), (0, 1, 0), 2, 2)}),
+                                     (TypeError, "PointGrid", {"rays": grid}),
                                      (TypeError, "PointGrid", {"points": sightline.SphericalScan((0, 0, 0), 2, 2)}),
                                      (ValueError, "kind", {"rays": rays, "kind": "every"}),
                                      (ValueError, "kind", {"kind": "every"}),

@@ -50,8 +50,8 @@ async def wait(scene: sightline.aio.Scene, rays: NDArray[np.float64]) -> None:
         print(part.t, hits, report, every)
 """
 MISTAKES = ["scene.cast(rays, kind='every')", "scene.cast(rays, max_hits='3')", "scene.cast(rays).distance",
-            "scene.stats().triangles", "scene.closest(rays, max_dist=3)", "scene.prefetch(rays, bar=True)", "client.import_file(3)",
-            "client.server_info().max_ray"]
+            "scene.stats().triangles", "scene.closest(rays, max_dist=3)", "scene.prefetch(rays, bar=True)",
+            "client.import_file(3)", "client.server_info().max_ray"]
 
 
 @unittest.skipUnless(HAS_MYPY and os.path.exists(SYSTEM_PYTHON), "needs mypy")

@@ -1,8 +1,8 @@
 """The files of a backup.
 
-`scenes.parts` has the parts as the server sent them, each after its length in 4 bytes, least significant first. A part may name a
-mesh without its bytes: `meshes` has a file of them, by their SHA-256 in hex. SHA256SUMS has the sums of all files, as sha256sum
-writes them, of `scenes.parts` first. A directory is a backup only once `scenes.parts` has its name.
+`scenes.parts` has the parts as the server sent them, each after its length in 4 bytes, least significant first. A part
+may name a mesh without its bytes: `meshes` has a file of them, by their SHA-256 in hex. SHA256SUMS has the sums of all
+files, as sha256sum writes them, of `scenes.parts` first. A directory is a backup only once `scenes.parts` has its name.
 """
 
 from __future__ import annotations

@@ -58,7 +58,8 @@ def cast_generated_once(connection: Connection, query: Query, source: Generated,
     """Casts what the server makes in one message, which its limits allow."""
     request = query.form.request(**{query.form.generator: source.message()}).SerializeToString()
     data = query.request.SerializeToString() + request
-    return codec.answer(connection.call(query.form.call, data, timeout, light=False, scene=query.request.scene, route_key=query.route_key))
+    return codec.answer(connection.call(query.form.call, data, timeout, light=False,
+                                        scene=query.request.scene, route_key=query.route_key))
 
 
 class CastStream:

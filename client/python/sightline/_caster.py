@@ -166,8 +166,8 @@ class Caster:
             raise ValueError("apply does not go with kind='all': apply the changes first, and cast with "
                              "revision=batch.applied.revision")
         if rays.count > self._limit:
-            raise ValueError(f"apply goes with what one message holds, {self._limit} rays or points, not {rays.count}: apply "
-                             "the changes first, and cast with revision=batch.applied.revision")
+            raise ValueError(f"apply goes with what one message holds, {self._limit} rays or points, not {rays.count}: "
+                             "apply the changes first, and cast with revision=batch.applied.revision")
 
     def _begin(self) -> None:
         now, budget = time.monotonic(), self._query.request.time_budget_ms

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Callable, Dict, Iterable, Optional, Protocol, Union
+from typing import Any, Callable, Dict, Iterable, Literal, Optional, Protocol, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,6 +26,7 @@ Objects = NDArray[np.object_]
 UInt32s = NDArray[np.uint32]
 UInt64s = NDArray[np.uint64]
 
+Kind = Literal["closest", "any", "count"]  # the kinds of queries with a row for each ray or point
 Path = Union[str, "os.PathLike[str]"]
 Progress = Union[bool, Callable[[int, Optional[int]], Any]]  # a bar by tqdm, or a function of (done, total)
 NameLookup = Callable[[Array, int], Dict[int, str]]          # names of nodes by id, at a revision

@@ -11,16 +11,13 @@ from ._queried import AnyNode, Changes, Nodes, Queried, is_generated, is_iterato
 from .all_nearest import AllNearest
 from .nearest import Nearest
 
-Kind = Literal["closest", "any", "count"]  # the kinds with a row for each point
-
 
 class PointQueries(Queried):
     """Asks a scene about points."""
 
     @overload
-    def closest(self, points: Iterator[Any], max_distance: Any = None,
-                *, masks: Any = None,
-                 kind: Literal["all"], fields: "Optional[_types.Words]" = None,
+    def closest(self, points: Iterator[Any], max_distance: Any = None, *, masks: Any = None,
+                kind: Literal["all"], fields: "Optional[_types.Words]" = None,
                 build: Optional[str] = None, under: AnyNode = 0, exclude: Nodes = (), max_hits: int = 0,
                 at_least: Optional[str] = None, revision: Optional[int] = None, timeout: Optional[float] = None,
                 progress: _types.Progress = False, time_budget: Optional[float] = None, allow_partial: bool = False,
@@ -28,9 +25,8 @@ class PointQueries(Queried):
                 out: Optional[_out.Out] = None, apply: Changes = None) -> "Iterator[AllNearest]": ...
 
     @overload
-    def closest(self, points: Iterator[Any], max_distance: Any = None,
-                *, masks: Any = None,
-                 kind: Kind = "closest", fields: "Optional[_types.Words]" = None,
+    def closest(self, points: Iterator[Any], max_distance: Any = None, *, masks: Any = None,
+                kind: _types.Kind = "closest", fields: "Optional[_types.Words]" = None,
                 build: Optional[str] = None, under: AnyNode = 0, exclude: Nodes = (), max_hits: int = 0,
                 at_least: Optional[str] = None, revision: Optional[int] = None, timeout: Optional[float] = None,
                 progress: _types.Progress = False, time_budget: Optional[float] = None, allow_partial: bool = False,
@@ -38,9 +34,8 @@ class PointQueries(Queried):
                 out: Optional[_out.Out] = None, apply: Changes = None) -> "Iterator[Nearest]": ...
 
     @overload
-    def closest(self, points: _types.Rows, max_distance: Any = None,
-                *, masks: Any = None,
-                 kind: Literal["all"], fields: "Optional[_types.Words]" = None,
+    def closest(self, points: _types.Rows, max_distance: Any = None, *, masks: Any = None,
+                kind: Literal["all"], fields: "Optional[_types.Words]" = None,
                 build: Optional[str] = None, under: AnyNode = 0, exclude: Nodes = (), max_hits: int = 0,
                 at_least: Optional[str] = None, revision: Optional[int] = None, timeout: Optional[float] = None,
                 progress: _types.Progress = False, time_budget: Optional[float] = None, allow_partial: bool = False,
@@ -48,18 +43,16 @@ class PointQueries(Queried):
                 out: Optional[_out.Out] = None, apply: Changes = None) -> AllNearest: ...
 
     @overload
-    def closest(self, points: _types.Rows, max_distance: Any = None,
-                *, masks: Any = None,
-                 kind: Kind = "closest", fields: "Optional[_types.Words]" = None,
+    def closest(self, points: _types.Rows, max_distance: Any = None, *, masks: Any = None,
+                kind: _types.Kind = "closest", fields: "Optional[_types.Words]" = None,
                 build: Optional[str] = None, under: AnyNode = 0, exclude: Nodes = (), max_hits: int = 0,
                 at_least: Optional[str] = None, revision: Optional[int] = None, timeout: Optional[float] = None,
                 progress: _types.Progress = False, time_budget: Optional[float] = None, allow_partial: bool = False,
                 route_key: str = "", side: str = "parity", side_rays: int = 1,
                 out: Optional[_out.Out] = None, apply: Changes = None) -> Nearest: ...
 
-    def closest(self, points: Any, max_distance: Any = None,
-                *, masks: Any = None,
-                 kind: str = "closest", fields: "Optional[_types.Words]" = None,
+    def closest(self, points: Any, max_distance: Any = None, *, masks: Any = None,
+                kind: str = "closest", fields: "Optional[_types.Words]" = None,
                 build: Optional[str] = None, under: AnyNode = 0, exclude: Nodes = (), max_hits: int = 0,
                 at_least: Optional[str] = None, revision: Optional[int] = None, timeout: Optional[float] = None,
                 progress: _types.Progress = False, time_budget: Optional[float] = None, allow_partial: bool = False,
@@ -96,8 +89,9 @@ class PointQueries(Queried):
         """
         fields = _out.fields_with(out, fields)
         chosen = self._choose(under, exclude, revision, at_least, apply is not None)
-        query = _query.describe(_query.POINTS, self.name, kind, fields, build, None, one_root(chosen), chosen.exclude, max_hits,
-                                chosen.at_least, revision, time_budget, allow_partial, side, side_rays, route_key)
+        query = _query.describe(_query.POINTS, self.name, kind, fields, build, None, one_root(chosen), chosen.exclude,
+                                max_hits, chosen.at_least, revision, time_budget, allow_partial, side, side_rays,
+                                route_key)
         self._add_updates(query, apply, points)
         caster = self._caster(query, timeout, warn_of_points)
         if is_iterator(points):

@@ -12,55 +12,53 @@ from .hits import Hits
 from .point_grid import PointGrid
 from .rays import as_rays
 
-Kind = Literal["closest", "any", "count"]  # the kinds with a row for each ray
-
 
 class RayQueries(Queried):
     """Casts rays at a scene."""
 
     @overload
-    def cast(self, rays: Iterator[Any],
-             *, origins: Any = None, directions: Any = None, tmin: Any = None, tmax: Any = None, masks: Any = None,
-              kind: Literal["all"], fields: "Optional[_types.Words]" = None,
+    def cast(self, rays: Iterator[Any], *, origins: Any = None, directions: Any = None, tmin: Any = None,
+             tmax: Any = None, masks: Any = None, kind: Literal["all"], fields: "Optional[_types.Words]" = None,
              build: Optional[str] = None, cull: Optional[str] = None, under: AnyNode = 0, exclude: Nodes = (),
              max_hits: int = 0, at_least: Optional[str] = None, revision: Optional[int] = None,
              timeout: Optional[float] = None, progress: _types.Progress = False,
-             time_budget: Optional[float] = None, allow_partial: bool = False, route_key: str = "", out: Optional[_out.Out] = None, apply: Changes = None) -> "Iterator[AllHits]": ...
+             time_budget: Optional[float] = None, allow_partial: bool = False, route_key: str = "",
+             out: Optional[_out.Out] = None, apply: Changes = None) -> "Iterator[AllHits]": ...
 
     @overload
-    def cast(self, rays: Iterator[Any],
-             *, origins: Any = None, directions: Any = None, tmin: Any = None, tmax: Any = None, masks: Any = None,
-              kind: Kind = "closest", fields: "Optional[_types.Words]" = None,
+    def cast(self, rays: Iterator[Any], *, origins: Any = None, directions: Any = None, tmin: Any = None,
+             tmax: Any = None, masks: Any = None, kind: _types.Kind = "closest", fields: "Optional[_types.Words]" = None,
              build: Optional[str] = None, cull: Optional[str] = None, under: AnyNode = 0, exclude: Nodes = (),
              max_hits: int = 0, at_least: Optional[str] = None, revision: Optional[int] = None,
              timeout: Optional[float] = None, progress: _types.Progress = False,
-             time_budget: Optional[float] = None, allow_partial: bool = False, route_key: str = "", out: Optional[_out.Out] = None, apply: Changes = None) -> "Iterator[Hits]": ...
+             time_budget: Optional[float] = None, allow_partial: bool = False, route_key: str = "",
+             out: Optional[_out.Out] = None, apply: Changes = None) -> "Iterator[Hits]": ...
 
     @overload
-    def cast(self, rays: _types.Rows = None,
-             *, origins: Any = None, directions: Any = None, tmin: Any = None, tmax: Any = None, masks: Any = None,
-              kind: Literal["all"], fields: "Optional[_types.Words]" = None,
+    def cast(self, rays: _types.Rows = None, *, origins: Any = None, directions: Any = None, tmin: Any = None,
+             tmax: Any = None, masks: Any = None, kind: Literal["all"], fields: "Optional[_types.Words]" = None,
              build: Optional[str] = None, cull: Optional[str] = None, under: AnyNode = 0, exclude: Nodes = (),
              max_hits: int = 0, at_least: Optional[str] = None, revision: Optional[int] = None,
              timeout: Optional[float] = None, progress: _types.Progress = False,
-             time_budget: Optional[float] = None, allow_partial: bool = False, route_key: str = "", out: Optional[_out.Out] = None, apply: Changes = None) -> AllHits: ...
+             time_budget: Optional[float] = None, allow_partial: bool = False, route_key: str = "",
+             out: Optional[_out.Out] = None, apply: Changes = None) -> AllHits: ...
 
     @overload
-    def cast(self, rays: _types.Rows = None,
-             *, origins: Any = None, directions: Any = None, tmin: Any = None, tmax: Any = None, masks: Any = None,
-              kind: Kind = "closest", fields: "Optional[_types.Words]" = None,
+    def cast(self, rays: _types.Rows = None, *, origins: Any = None, directions: Any = None, tmin: Any = None,
+             tmax: Any = None, masks: Any = None, kind: _types.Kind = "closest", fields: "Optional[_types.Words]" = None,
              build: Optional[str] = None, cull: Optional[str] = None, under: AnyNode = 0, exclude: Nodes = (),
              max_hits: int = 0, at_least: Optional[str] = None, revision: Optional[int] = None,
              timeout: Optional[float] = None, progress: _types.Progress = False,
-             time_budget: Optional[float] = None, allow_partial: bool = False, route_key: str = "", out: Optional[_out.Out] = None, apply: Changes = None) -> Hits: ...
+             time_budget: Optional[float] = None, allow_partial: bool = False, route_key: str = "",
+             out: Optional[_out.Out] = None, apply: Changes = None) -> Hits: ...
 
-    def cast(self, rays: Any = None,
-             *, origins: Any = None, directions: Any = None, tmin: Any = None, tmax: Any = None, masks: Any = None,
-              kind: str = "closest", fields: "Optional[_types.Words]" = None,
+    def cast(self, rays: Any = None, *, origins: Any = None, directions: Any = None, tmin: Any = None,
+             tmax: Any = None, masks: Any = None, kind: str = "closest", fields: "Optional[_types.Words]" = None,
              build: Optional[str] = None, cull: Optional[str] = None, under: AnyNode = 0, exclude: Nodes = (),
              max_hits: int = 0, at_least: Optional[str] = None, revision: Optional[int] = None,
              timeout: Optional[float] = None, progress: _types.Progress = False,
-             time_budget: Optional[float] = None, allow_partial: bool = False, route_key: str = "", out: Optional[_out.Out] = None, apply: Changes = None) -> Any:
+             time_budget: Optional[float] = None, allow_partial: bool = False, route_key: str = "",
+             out: Optional[_out.Out] = None, apply: Changes = None) -> Any:
         """What rays hit.
 
         rays: real (..., 6), ox oy oz dx dy dz, or (..., 8), and tmin tmax; or origins and directions (..., 3), and
@@ -108,8 +106,8 @@ class RayQueries(Queried):
         if fields is None and made and kind in ("closest", "all"):
             fields = (*_query.GEOMETRY, "position")
         chosen = self._choose(under, exclude, revision, at_least, apply is not None)
-        query = _query.describe(_query.RAYS, self.name, kind, fields, build, cull, one_root(chosen), chosen.exclude, max_hits,
-                                chosen.at_least, revision, time_budget, allow_partial, route_key=route_key)
+        query = _query.describe(_query.RAYS, self.name, kind, fields, build, cull, one_root(chosen), chosen.exclude,
+                                max_hits, chosen.at_least, revision, time_budget, allow_partial, route_key=route_key)
         self._add_updates(query, apply, rays)
         caster = self._caster(query, timeout, warn_of_origins)
         if is_iterator(rays):

@@ -61,16 +61,17 @@ class Scene(RayQueries, PointQueries):
         self._session.delete_scene(self.name)
 
     def render(self, size: "Tuple[int, int]" = (640, 480), *, eye: Any = None, at: Any = None, up: Any = None,
-               fov: float = 40.0, fields: "_types.Words" = (), under: AnyNode = 0, exclude: Nodes = (), at_least: Optional[str] = None,
-               revision: Optional[int] = None, timeout: Optional[float] = None, progress: _types.Progress = False) -> Picture:
+               fov: float = 40.0, fields: "_types.Words" = (), under: AnyNode = 0, exclude: Nodes = (),
+               at_least: Optional[str] = None, revision: Optional[int] = None, timeout: Optional[float] = None,
+               progress: _types.Progress = False) -> Picture:
         """A picture, width x height, of closest hits shaded by their normals; a notebook displays it.
 
         eye, at, up: (3) in scene coordinates; default: the whole scene is seen from above a corner. fov: degrees from
         the bottom to the top. fields: columns of the picture's hits beside those of geometry, such as ("position",
         "name"). under, exclude, at_least, revision, timeout, progress: as for cast.
         """
-        return render(self.info(), self.cast, size, eye, at, up, fov, fields, under=under, exclude=exclude, at_least=at_least,
-                      revision=revision, timeout=timeout, progress=progress)
+        return render(self.info(), self.cast, size, eye, at, up, fov, fields, under=under, exclude=exclude,
+                      at_least=at_least, revision=revision, timeout=timeout, progress=progress)
 
     # ---- trees
 

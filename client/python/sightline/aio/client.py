@@ -16,8 +16,8 @@ def connect(endpoint: Optional[str] = None, *, tls_ca: Optional[Path] = None, tl
             tls_key: Optional[Path] = None, token: Optional[str] = None, token_file: Optional[Path] = None,
             timeout: Optional[float] = None, use_segments: bool = True) -> "Client":
     """A client; the options of sightline.connect()."""
-    return Client(client.connect(endpoint, tls_ca=tls_ca, tls_cert=tls_cert, tls_key=tls_key, token=token, token_file=token_file,
-                                 timeout=timeout, use_segments=use_segments))
+    return Client(client.connect(endpoint, tls_ca=tls_ca, tls_cert=tls_cert, tls_key=tls_key, token=token,
+                                 token_file=token_file, timeout=timeout, use_segments=use_segments))
 
 
 class Client:

@@ -6,7 +6,7 @@ import functools
 from typing import Any, Callable, Dict, Literal, Optional, overload
 
 from .. import scene
-from .._types import Bools
+from .._types import Bools, Kind
 from ..all_hits import AllHits
 from ..all_nearest import AllNearest
 from ..change import Change
@@ -51,7 +51,7 @@ class Scene:
     async def cast(self, rays: Any = None, *, kind: Literal["all"], **options: Any) -> AllHits: ...
 
     @overload
-    async def cast(self, rays: Any = None, *, kind: Literal["closest", "any", "count"] = "closest", **options: Any) -> Hits: ...
+    async def cast(self, rays: Any = None, *, kind: Kind = "closest", **options: Any) -> Hits: ...
 
     async def cast(self, rays: Any = None, *, kind: Any = "closest", **options: Any) -> Any:
         """Hits, as of sightline.Scene.cast."""
@@ -61,7 +61,7 @@ class Scene:
     def cast_batches(self, batches: Any, *, kind: Literal["all"], **options: Any) -> "Results[AllHits]": ...
 
     @overload
-    def cast_batches(self, batches: Any, *, kind: Literal["closest", "any", "count"] = "closest",
+    def cast_batches(self, batches: Any, *, kind: Kind = "closest",
                      **options: Any) -> "Results[Hits]": ...
 
     def cast_batches(self, batches: Any, *, kind: Any = "closest", **options: Any) -> Any:
@@ -69,10 +69,11 @@ class Scene:
         return Results(self._threads, self._original.cast(iterator_of(batches), kind=kind, **options))
 
     @overload
-    async def closest(self, points: Any, max_distance: Any = None, *, kind: Literal["all"], **options: Any) -> AllNearest: ...
+    async def closest(self, points: Any, max_distance: Any = None, *, kind: Literal["all"],
+                      **options: Any) -> AllNearest: ...
 
     @overload
-    async def closest(self, points: Any, max_distance: Any = None, *, kind: Literal["closest", "any", "count"] = "closest",
+    async def closest(self, points: Any, max_distance: Any = None, *, kind: Kind = "closest",
                       **options: Any) -> Nearest: ...
 
     async def closest(self, points: Any, max_distance: Any = None, *, kind: Any = "closest", **options: Any) -> Any:
@@ -85,7 +86,7 @@ class Scene:
                         **options: Any) -> "Results[AllNearest]": ...
 
     @overload
-    def closest_batches(self, batches: Any, max_distance: Any = None, *, kind: Literal["closest", "any", "count"] = "closest",
+    def closest_batches(self, batches: Any, max_distance: Any = None, *, kind: Kind = "closest",
                         **options: Any) -> "Results[Nearest]": ...
 
     def closest_batches(self, batches: Any, max_distance: Any = None, *, kind: Any = "closest", **options: Any) -> Any:
