@@ -5,13 +5,18 @@ Points of the arm's surface are moved with it. They ask for the nearest face tha
 the pose.
 """
 
+from typing import Any, Iterator, Sequence
+
 import numpy as np
 import sightline
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[Any]
 
 STEP = 0.05  # metres between points on the arm
 
 
-def box(low, high):
+def box(low: ArrayLike, high: ArrayLike) -> tuple[Array, Array]:
     """Vertices (8, 3) and faces (12, 3) of a box, outside counterclockwise."""
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
     faces = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
@@ -22,14 +27,15 @@ def box(low, high):
 ARM = ([-0.1, -0.1, 0.5], [1.5, 0.1, 0.7])  # turns about the z axis
 
 
-def surface_points(low, high):
+def surface_points(low: Sequence[float], high: Sequence[float]) -> Array:
     """Points (n, 3) all over a box's surface, its corners included."""
     axes = [np.linspace(a, b, int(np.ceil((b - a) / STEP)) + 1) for a, b in zip(low, high)]
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-    return points[((points == low) | (points == high)).any(axis=1)]
+    on_surface: Array = points[((points == low) | (points == high)).any(axis=1)]
+    return on_surface
 
 
-def cell(client):
+def cell(client: sightline.Client) -> tuple[sightline.Scene, sightline.Node]:
     """A floor, a wall at x = 1.8, a post, and the arm. Returns scene and arm."""
     scene = client.create_scene("cell", up_axis="z", meters_per_unit=1)
     with scene.batch():
@@ -40,13 +46,13 @@ def cell(client):
     return scene, arm
 
 
-def pose(angle):
+def pose(angle: float) -> Array:
     """Scene from arm (3, 4)."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s, 0, 0], [s, c, 0, 0], [0, 0, 1, 0]])
 
 
-def clearances(scene, arm, angles):
+def clearances(scene: sightline.Scene, arm: sightline.Node, angles: Array) -> "Iterator[tuple[float, str, Array]]":
     """For each angle: the least distance, what is so near, and where on the arm."""
     own = surface_points(*ARM)
     with scene.update_stream("arm") as stream:
@@ -60,7 +66,7 @@ def clearances(scene, arm, angles):
             yield near.distance[nearest], near.name[nearest], points[nearest]
 
 
-def main():
+def main() -> None:
     angles = np.radians(np.arange(0, 181, 15))
     with sightline.serve() as server:
         scene, arm = cell(server.client)

@@ -4,15 +4,20 @@
 Each line of sight is answered at the revision that the moves make, so that an agent who steps into it blocks it in the same tick.
 """
 
+from typing import Any, Sequence
+
 import numpy as np
 import sightline
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[Any]
 
 HALL = 40.0   # metres, square
 WIDTH = 0.6   # of an agent
 EYES = 1.6    # above the floor
 
 
-def box(size):
+def box(size: ArrayLike) -> tuple[Array, Array]:
     """A box (x, y, z) that stands on the middle of its floor."""
     vertices = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (0, 1)]) * size
     faces = np.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
@@ -20,14 +25,14 @@ def box(size):
     return vertices, faces
 
 
-def poses(places):
+def poses(places: "Sequence[Any] | Array") -> Array:
     """Scene from agent (n, 3, 4), for places on the floor (n, 2)."""
     matrices = np.tile(np.eye(3, 4), (len(places), 1, 1))
     matrices[:, :2, 3] = places
     return matrices
 
 
-def arena(client, places):
+def arena(client: sightline.Client, places: Array) -> tuple[sightline.Scene, list[sightline.Node], Array]:
     """Pillars in a grid, and an agent at each place (n, 2). Returns the scene, the agents and the pillars' middles."""
     pillars = np.stack(np.meshgrid(np.arange(4, HALL, 8), np.arange(4, HALL, 8)), axis=-1).reshape(-1, 2)
     scene = client.create_scene("arena", up_axis="z", meters_per_unit=1)
@@ -39,7 +44,7 @@ def arena(client, places):
     return scene, agents, pillars
 
 
-def tick(scene, agents, places, pairs):
+def tick(scene: sightline.Scene, agents: list[sightline.Node], places: Array, pairs: Array) -> tuple[Array, int]:
     """Moves the agents, and tells of pairs (m, 2) of them whether the one sees the other: bool (m), and the revision."""
     eyes = np.column_stack([places, np.full(len(places), EYES)])
     origins, lines = eyes[pairs[:, 0]], eyes[pairs[:, 1]] - eyes[pairs[:, 0]]
@@ -49,12 +54,12 @@ def tick(scene, agents, places, pairs):
     return ~hits.hit, hits.revision
 
 
-def walk(rng, places):
+def walk(rng: np.random.Generator, places: Array) -> Array:
     """A step of each agent, who stays in the hall."""
-    return np.clip(places + rng.normal(0, 0.4, places.shape), 1, HALL - 1)
+    return np.asarray(np.clip(places + rng.normal(0, 0.4, places.shape), 1, HALL - 1))
 
 
-def main():
+def main() -> None:
     rng = np.random.default_rng(7)
     places = rng.uniform(1, HALL - 1, (50, 2))
     pairs = np.array([(i, j) for i in range(50) for j in (i + 1, i + 7, i + 19, i + 31)]) % 50

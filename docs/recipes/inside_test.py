@@ -5,11 +5,16 @@ By default a point is inside if a ray from it crosses an odd number of faces. On
 or a vertex it counts one crossing.
 """
 
+from typing import Any
+
 import numpy as np
 import sightline
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
 
 
-def torus(ring=2.0, tube=0.7, around=60, across=30):
+def torus(ring: float = 2.0, tube: float = 0.7, around: int = 60, across: int = 30) -> tuple[Array, Array]:
     """A closed mesh: vertices (around * across, 3) and faces. The z axis goes through the hole."""
     u, v = np.meshgrid(2 * np.pi * np.arange(around) / around, 2 * np.pi * np.arange(across) / across, indexing="ij")
     distance = ring + tube * np.cos(v)
@@ -21,7 +26,7 @@ def torus(ring=2.0, tube=0.7, around=60, across=30):
     return vertices, faces
 
 
-def main():
+def main() -> None:
     rng = np.random.default_rng(1)
     points = rng.uniform([-3, -3, -1], [3, 3, 1], (100_000, 3))
     with sightline.serve() as server:

@@ -4,8 +4,13 @@
 The sensor moves while it turns, so each column of rays has an origin of its own.
 """
 
+from typing import Any
+
 import numpy as np
 import sightline
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[Any]
 
 BEAMS = np.radians(np.linspace(-15, 15, 16))  # elevations
 COLUMNS = 720                                 # of a revolution
@@ -13,7 +18,7 @@ SECONDS = 0.1                                 # for a revolution
 RANGE = (0.5, 80.0)                           # metres: nothing is measured nearer or further
 
 
-def box(low, high):
+def box(low: ArrayLike, high: ArrayLike) -> tuple[Array, Array]:
     """Vertices (8, 3) and faces (12, 3) of a box, outside counterclockwise."""
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
     faces = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
@@ -21,7 +26,7 @@ def box(low, high):
     return np.asarray(low) + corners * (np.asarray(high) - low), np.array(faces)
 
 
-def street(client):
+def street(client: sightline.Client) -> sightline.Scene:
     """A road along x with houses on both sides, each a node of its own."""
     scene = client.create_scene("street", up_axis="z", meters_per_unit=1)
     with scene.batch():
@@ -32,7 +37,7 @@ def street(client):
     return scene
 
 
-def revolution(position, velocity):
+def revolution(position: ArrayLike, velocity: ArrayLike) -> tuple[Array, Array]:
     """Origins (columns, 1, 3) and unit directions (columns, beams, 3): one revolution from a moving position (3)."""
     turn = np.arange(COLUMNS) / COLUMNS
     azimuth, elevation = np.meshgrid(2 * np.pi * turn, BEAMS, indexing="ij")
@@ -42,7 +47,7 @@ def revolution(position, velocity):
     return origins[:, None, :], directions
 
 
-def scan(scene, position, velocity=(0, 0, 0)):
+def scan(scene: sightline.Scene, position: ArrayLike, velocity: ArrayLike = (0, 0, 0)) -> sightline.Hits:
     """Hits of shape (columns, beams); t is the range in metres, since directions are unit vectors.
 
     Rays begin at the sensor: what is nearer than it can measure still hides what is behind it.
@@ -54,7 +59,7 @@ def scan(scene, position, velocity=(0, 0, 0)):
     return hits
 
 
-def main():
+def main() -> None:
     with sightline.serve() as server:
         scene = street(server.client)
         hits = scan(scene, position=[0, 0, 1.8], velocity=[10, 0, 0])

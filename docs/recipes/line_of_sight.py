@@ -1,11 +1,16 @@
 #!/usr/bin/python3
 """Which of many points see each other: a line-of-sight matrix between antennas on a town's roofs."""
 
+from typing import Any
+
 import numpy as np
 import sightline
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
 
 
-def town(seed=1, blocks=8):
+def town(seed: int = 1, blocks: int = 8) -> tuple[Array, Array, Array]:
     """Houses of random heights on a grid: vertices, faces, and the middle of each roof (blocks^2, 3)."""
     rng = np.random.default_rng(seed)
     unit = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
@@ -18,14 +23,14 @@ def town(seed=1, blocks=8):
     return vertices, all_faces, corners + sizes * [0.5, 0.5, 1]
 
 
-def sees(scene, observers, targets):
+def sees(scene: sightline.Scene, observers: Array, targets: Array) -> Array:
     """bool (n, m): whether the line from observers (n, 3) to targets (m, 3), which lie on no surface, is free."""
     lines = targets[None] - observers[:, None]
     blocked = scene.cast(origins=observers[:, None], directions=lines, tmax=1.0, kind="any").hit
     return ~blocked
 
 
-def main():
+def main() -> None:
     vertices, faces, roofs = town()
     antennas = roofs + [0, 0, 2]
     with sightline.serve() as server:

@@ -5,11 +5,16 @@ The outline is found by marching squares: between two grid points, one inside an
 between their distances is 0.
 """
 
+from typing import Any
+
 import numpy as np
 import sightline
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
 
 
-def ball(radius, rings=60, parts=120):
+def ball(radius: float, rings: int = 60, parts: int = 120) -> tuple[Array, Array]:
     """A closed mesh around the origin: vertices and faces, outside counterclockwise."""
     polar, turn = np.meshgrid(np.pi * np.arange(1, rings) / rings, 2 * np.pi * np.arange(parts) / parts, indexing="ij")
     belt = np.stack([np.sin(polar) * np.cos(turn), np.sin(polar) * np.sin(turn), np.cos(polar)], axis=-1).reshape(-1, 3)
@@ -24,18 +29,18 @@ def ball(radius, rings=60, parts=120):
     return vertices, np.concatenate([np.stack(three, axis=-1) for three in faces])
 
 
-def slice_of(scene, grid):
+def slice_of(scene: sightline.Scene, grid: sightline.PointGrid) -> Array:
     """The signed distances (rows, columns) of a sightline.PointGrid, negative inside."""
     return scene.closest(grid, fields=("signed",)).signed
 
 
-def outline(signed):
+def outline(signed: Array) -> Array:
     """Segments (n, 2, 2) where distances (rows, columns) are 0, each of two ends (row, column) in steps of the grid."""
     inside = signed < 0
     with np.errstate(divide="ignore", invalid="ignore"):  # where both ends are on one side
         along_row = signed[:, :-1] / (signed[:, :-1] - signed[:, 1:])
         along_column = signed[:-1] / (signed[:-1] - signed[1:])
-    row, column = np.indices(np.subtract(signed.shape, 1), float)  # of the squares' upper left corners
+    row, column = np.indices((signed.shape[0] - 1, signed.shape[1] - 1), float)  # of the squares' upper left corners
     upper, lower = np.stack([row, column + along_row[:-1]], -1), np.stack([row + 1, column + along_row[1:]], -1)
     left, right = np.stack([row + along_column[:, :-1], column], -1), np.stack([row + along_column[:, 1:], column + 1], -1)
     cuts = np.stack([upper, right, lower, left], axis=2)
@@ -50,12 +55,12 @@ def outline(signed):
     return np.concatenate([cuts[two][is_cut[two]].reshape(-1, 2, 2), saddles.reshape(-1, 2, 2)])
 
 
-def place(grid, at):
+def place(grid: sightline.PointGrid, at: Array) -> Array:
     """Positions (..., 3) of places (..., 2) in steps of the grid."""
-    return grid.origin + at[..., 1:] * grid.across + at[..., :1] * grid.down
+    return np.asarray(grid.origin + at[..., 1:] * grid.across + at[..., :1] * grid.down)
 
 
-def main():
+def main() -> None:
     radius, height, step = 1.0, 0.6, 0.02
     grid = sightline.PointGrid(origin=[-1.2, 1.2, height], across=[step, 0, 0], down=[0, -step, 0], columns=121, rows=121)
     with sightline.serve() as server:

@@ -4,13 +4,18 @@
 x is east, y is north, z is up.
 """
 
+from typing import Any
+
 import numpy as np
 import sightline
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[Any]
 
 MINUTES = 10  # a step
 
 
-def sun(latitude, day, hour):
+def sun(latitude: float, day: int, hour: ArrayLike) -> Array:
     """Unit vectors (..., 3) to the sun at solar time `hour` of the day of the year, at a latitude in degrees.
 
     The declination is Cooper's formula, good to about half a degree. Below the horizon z is negative.
@@ -23,15 +28,15 @@ def sun(latitude, day, hour):
     return np.stack(np.broadcast_arrays(east, north, up), axis=-1)
 
 
-def sun_hours(scene, points, latitude, day):
+def sun_hours(scene: sightline.Scene, points: ArrayLike, latitude: float, day: int) -> Array:
     """Hours (...) of sun at points (..., 3) that lie just above the surfaces of a scene."""
     to_sun = sun(latitude, day, np.arange(0, 24, MINUTES / 60) + MINUTES / 120)  # the middle of each step
     to_sun = to_sun[to_sun[:, 2] > 0]
     shaded = scene.cast(origins=np.asarray(points)[..., None, :], directions=to_sun, kind="any").hit
-    return (~shaded).sum(axis=-1) * MINUTES / 60
+    return np.asarray((~shaded).sum(axis=-1) * MINUTES / 60)
 
 
-def house():
+def house() -> tuple[Array, Array]:
     """A box of 10 x 8 x 6 m with its south-west corner at the origin."""
     vertices = np.array([[x, y, z] for x in (0, 10) for y in (0, 8) for z in (0, 6)])
     faces = np.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
@@ -39,7 +44,7 @@ def house():
     return vertices, faces
 
 
-def main():
+def main() -> None:
     x, y = np.meshgrid(np.arange(-9.5, 20), np.arange(-9.5, 20))  # a point a square metre
     points = np.stack([x, y, np.full_like(x, 0.01)], axis=-1)
     with sightline.serve() as server:

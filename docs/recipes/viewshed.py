@@ -1,14 +1,19 @@
 #!/usr/bin/python3
 """A viewshed: which cells of a height raster are seen from a point above it, written as a raster and as a picture."""
 
+from typing import Any
+
 import numpy as np
 import sightline
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
 
 EYE_HEIGHT = 1.7     # metres above the ground
 TARGET_HEIGHT = 0.1  # of what is looked for in each cell
 
 
-def hills(rows=200, columns=300, cell=10.0, seed=4):
+def hills(rows: int = 200, columns: int = 300, cell: float = 10.0, seed: int = 4) -> Array:
     """A raster of heights (rows, columns) with cells of so many metres: a sum of waves."""
     rng = np.random.default_rng(seed)
     y, x = cell * np.mgrid[:rows, :columns]
@@ -19,7 +24,7 @@ def hills(rows=200, columns=300, cell=10.0, seed=4):
     return heights
 
 
-def terrain(heights, cell):
+def terrain(heights: Array, cell: float) -> tuple[Array, Array]:
     """The raster as a mesh: a vertex for each height, two triangles for each four of them."""
     rows, columns = heights.shape
     y, x = cell * np.mgrid[:rows, :columns]
@@ -30,7 +35,7 @@ def terrain(heights, cell):
     return vertices, faces
 
 
-def viewshed(scene, heights, cell, row, column):
+def viewshed(scene: sightline.Scene, heights: Array, cell: float, row: int, column: int) -> Array:
     """bool (rows, columns): whether each cell is seen by an eye above the cell (row, column)."""
     y, x = cell * np.mgrid[:heights.shape[0], :heights.shape[1]]
     targets = np.stack([x, y, heights + TARGET_HEIGHT], axis=-1)
@@ -38,12 +43,12 @@ def viewshed(scene, heights, cell, row, column):
     return ~scene.cast(origins=eye, directions=targets - eye, tmax=1.0, kind="any").hit
 
 
-def main():
+def main() -> None:
     cell = 10.0
     heights = hills(cell=cell)
     with sightline.serve() as server:
         scene = server.client.import_arrays("hills", *terrain(heights, cell), up_axis="z", meters_per_unit=1)
-        row, column = np.unravel_index(heights.argmax(), heights.shape)
+        row, column = map(int, np.unravel_index(heights.argmax(), heights.shape))
         seen = viewshed(scene, heights, cell, row, column)
     np.save("viewshed.npy", seen)
     with open("viewshed.pgm", "wb") as file:  # seen cells are white; image viewers and GIS programs read it

@@ -4,9 +4,14 @@
 A ray along the normal tells another thickness where walls are not parallel: across the part, not to the wall beside it.
 """
 
+from typing import Any
+
 import numpy as np
 import sightline
+from numpy.typing import NDArray
 from sightline.trimesh_proximity import thickness
+
+Array = NDArray[Any]
 
 OUTER = np.array([8.0, 6.0, 4.0])
 WALLS = np.array([[0.5, 0.4, 0.3], [0.6, 0.5, 0.2]])  # at the low and at the high end of x, y and z
@@ -15,11 +20,11 @@ WALLS = np.array([[0.5, 0.4, 0.3], [0.6, 0.5, 0.2]])  # at the low and at the hi
 class Part:
     """A mesh, as trimesh has them; one of trimesh will do, too."""
 
-    def __init__(self, vertices, faces):
+    def __init__(self, vertices: Array, faces: Array):
         self.vertices, self.faces, self.is_watertight = vertices, faces, True
 
 
-def hollow_box():
+def hollow_box() -> Part:
     """A closed box with a closed cavity, whose faces look inward."""
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
     faces = np.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
@@ -28,7 +33,7 @@ def hollow_box():
     return Part(np.concatenate([corners * OUTER, cavity]), np.concatenate([faces, faces[:, ::-1] + 8]))
 
 
-def points_outside(count, seed=1):
+def points_outside(count: int, seed: int = 1) -> tuple[Array, Array]:
     """Points (n, 3) on the outer faces, and for each the number of its face: axis + 3 if it is at the high end."""
     rng = np.random.default_rng(seed)
     points, side = rng.random((count, 3)) * OUTER, rng.integers(0, 6, count)
@@ -36,7 +41,7 @@ def points_outside(count, seed=1):
     return points, side
 
 
-def main():
+def main() -> None:
     part = hollow_box()
     points, side = points_outside(20_000)
     with sightline.serve() as server:

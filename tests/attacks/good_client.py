@@ -88,7 +88,7 @@ class GoodClient:
     def _update(self, client, number):
         request = _proto.ApplyUpdatesRequest(
             scene=client.scene(self._scene).name, request_id=uuid.uuid4().hex,
-            updates=updates.set_transforms(self._nodes[0], world.transforms(0, number)))
+            updates=map(updates.encode, updates.set_transforms(self._nodes[0], world.transforms(0, number))))
         try:
             revision = client._connection.call("ApplyUpdates", request).revision.revision
         except sightline.SightlineError:

@@ -84,7 +84,8 @@ class Writer(Client):
     def _step(self):
         self._sequence += 1
         request = _proto.ApplyUpdatesRequest(scene=self._client.scene(self._scene).name, request_id=uuid.uuid4().hex,
-                                             updates=updates.set_transforms(self._nodes, world.transforms(self._number, self._sequence)))
+                                             updates=map(updates.encode, updates.set_transforms(
+                                                 self._nodes, world.transforms(self._number, self._sequence))))
         while not self._load.gives_up:
             try:
                 revision = self._client._connection.call("ApplyUpdates", request).revision

@@ -87,6 +87,26 @@ class AioTest(unittest.IsolatedAsyncioTestCase):
             self.assertEqual((near.revision, near.applied, node.id), (3, batch.applied, 2))
         self.assertEqual((await self.scene.info()).revision, 3)
 
+    async def test_trees_names_and_meshes(self):
+        async with self.scene.batch():
+            await self.scene.add(brute.box(), name="box")
+        report = await self.scene.prefetch(under="box")
+        self.assertEqual((report.triangles_done, report.revision), (12, 2))
+        self.assertEqual((await self.scene.stats()).revision, 2)
+        self.assertGreater(await self.scene.cool(), 0)
+        found, all_found = await self.scene.find("box"), await self.scene.find_all("*")
+        self.assertEqual(([node.name for node in all_found], found.id), (["mesh", "box"], 2))
+        self.assertEqual((await self.scene.read_mesh("box")).faces.shape, (12, 3))
+        scan = sightline.SphericalScan([0.5, 0.5, 0.5], 12, 8)
+        hits = await self.scene.cast(scan, exclude="mesh")
+        self.assertEqual((hits.shape, hits.hit.all()), ((8, 12), True))
+        await self.scene.apply([sightline.updates.delete_node(2)])
+        with self.assertRaises(sightline.NotFound):
+            await self.scene.find("box")
+        self.assertEqual((await self.client.server_info()).version, sightline.__version__)
+        self.assertTrue((await self.client.read_log()).lines)
+        self.assertIn(self.scene.name, repr(self.scene))
+
     async def test_cancelling_a_task_cancels_its_call(self):
         async def watching():
             async for _ in self.scene.watch():

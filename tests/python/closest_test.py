@@ -6,8 +6,8 @@ import brute
 import numpy as np
 import sightline
 from shared import ServerTest
-from sightline._all_hits import complete_points
-from sightline.hits import CUT_OFF, UNANSWERED
+from sightline._answer import CUT_OFF, UNANSWERED
+from sightline._completion import complete_rows
 
 try:
     import pandas
@@ -112,7 +112,8 @@ class ClosestTest(ServerTest):
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         np.testing.assert_allclose(near.normal, normals / np.linalg.norm(normals, axis=1, keepdims=True), atol=1e-6)
         self.assertEqual((near.stats["rays"], near.stats["hits"]), (300, 300))
-        self.assertEqual(repr(near), "<Nearest of 300 points: 300 hit, 0 invalid, revision 1>")
+        self.assertEqual(repr(near), f"<Nearest (300,): 300 of 300 points hit, distance from {near.distance.min():.6g} to "
+                                     f"{near.distance.max():.6g}, 1 node, revision 1>")
 
     def test_kinds_agree(self):
         for limit in (0.15, np.linspace(-0.1, 0.5, 300), np.inf):
@@ -186,7 +187,7 @@ class ClosestTest(ServerTest):
             asked.extend(rows)
             return listing([0, 0, 3], [5, 6, 7], [UNANSWERED, 1])
 
-        complete_points(known, ask)
+        complete_rows(known, ask, "points")
         self.assertEqual(asked, [0, 2])
         self.assertEqual((known.offset.tolist(), known.primitive.tolist()), ([0, 2, 2, 5], [1, 2, 5, 6, 7]))
         self.assertEqual(known.cut_off.tolist(), [True, False, False])

@@ -1,8 +1,12 @@
-"""One server for the tests of a file."""
+"""One server for the tests of a file, and the command."""
 
+import os
+import pathlib
 import unittest
 
 import sightline
+
+COMMAND = pathlib.Path(os.environ.get("SIGHTLINED", "")).parents[1] / "client" / "sightline"
 
 
 class ServerTest(unittest.TestCase):

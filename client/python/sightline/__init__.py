@@ -13,29 +13,51 @@ classes for programs that were written for trimesh and Open3D.
 """
 
 from . import errors, updates
+from ._as_points import as_points
 from ._proto import version as __version__
-from ._warnings import PrecisionWarning
-from .batch import Applied, Batch
+from ._warnings import FileWarning, PrecisionWarning
+from .all_hits import AllHits
+from .all_nearest import AllNearest
+from .applied import Applied
+from .backup_scene import BackupScene
+from .batch import Batch
+from .change import Change
 from .client import Client, connect
+from .deferred_cells import DeferredCells
 from .errors import (Aborted, AlreadyExists, Cancelled, DataLoss, DeadlineExceeded, FailedPrecondition, Internal,
                      InvalidArgument, NotFound, OutOfRange, PermissionDenied, ResourceExhausted, SightlineError,
                      Unauthenticated, Unavailable, Unimplemented, Unknown)
-from .hits import AllHits, Hits
-from .nearest import AllNearest, Nearest
+from .hits import Hits
+from .log_lines import LogLines
+from .nearest import Nearest
+from .node_info import NodeInfo
+from .node_mesh import NodeMesh
 from .nodes import Node
 from .picture import Picture
-from .points import PointGrid, Points, as_points
+from .pinhole import Pinhole
+from .point_grid import PointGrid
+from .points import Points
+from .prefetch_report import PrefetchReport
 from .rays import Rays, as_rays
-from .scene import Scene, SceneInfo
+from .restored_scene import RestoredScene
+from .scene import Scene
+from .scene_info import SceneInfo
+from .scene_stats import SceneStats
 from .server import Server, serve
+from .server_info import ServerInfo
 from .shared_memory import SharedMemory, Transport
+from .spherical_scan import SphericalScan
+from .storage_limits import StorageLimits
 from .update_stream import UpdateStream
-from .watch import Change
+from .visibility_pairs import VisibilityPairs
 
 __all__ = [
-    "Aborted", "AllHits", "AllNearest", "AlreadyExists", "Applied", "Batch", "Cancelled", "Change", "Client", "DataLoss",
-    "DeadlineExceeded", "FailedPrecondition", "Hits", "Internal", "InvalidArgument", "Nearest", "Node", "NotFound",
-    "OutOfRange", "PermissionDenied", "Picture", "PointGrid", "Points", "PrecisionWarning", "Rays", "ResourceExhausted",
-    "Scene", "SceneInfo", "Server", "SharedMemory", "SightlineError", "Transport", "Unauthenticated", "Unavailable",
-    "Unimplemented", "Unknown", "UpdateStream", "__version__", "as_points", "as_rays", "connect", "errors", "serve", "updates",
+    "Aborted", "AllHits", "AllNearest", "AlreadyExists", "Applied", "BackupScene", "Batch", "Cancelled", "Change",
+    "Client", "DataLoss", "DeadlineExceeded", "DeferredCells", "FailedPrecondition", "FileWarning", "Hits",
+    "Internal", "InvalidArgument", "LogLines", "Nearest", "Node", "NodeInfo", "NodeMesh", "NotFound", "OutOfRange",
+    "PermissionDenied", "Picture", "Pinhole", "PointGrid", "Points", "PrecisionWarning", "PrefetchReport", "Rays",
+    "ResourceExhausted", "RestoredScene", "Scene", "SceneInfo", "SceneStats", "Server", "ServerInfo", "SharedMemory",
+    "SightlineError", "SphericalScan", "StorageLimits", "Transport", "Unauthenticated", "Unavailable",
+    "Unimplemented", "Unknown", "UpdateStream", "VisibilityPairs", "__version__", "as_points", "as_rays", "connect",
+    "errors", "serve", "updates",
 ]

@@ -8,17 +8,19 @@ from typing import Any, Iterator, List, Optional, Tuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ._types import Array
+
 
 class Rows:
     """Rays or points with a leading shape, as columns over all `count` of them. dtype: that of columns but masks,
     float32 or float64."""
 
-    def __init__(self, shape: Tuple[int, ...], dtype: np.dtype):
+    def __init__(self, shape: Tuple[int, ...], dtype: np.dtype[Any]):
         self.shape = shape
         self.count = math.prod(shape)
         self.dtype = dtype
 
-    def columns(self) -> "List[Optional[np.ndarray]]":
+    def columns(self) -> "List[Optional[Array]]":
         """Those of the message, in its order; None: one that is not sent."""
         raise NotImplementedError
 
@@ -32,7 +34,7 @@ class Broadcast:
     """Columns that are broadcast to one leading shape and made one type. vectors: (..., 3); numbers: (...) or None, as
     is masks."""
 
-    def __init__(self, vectors: "List[np.ndarray]", numbers: "List[Optional[np.ndarray]]", masks: Optional[np.ndarray]):
+    def __init__(self, vectors: "List[Array]", numbers: "List[Optional[Array]]", masks: Optional[Array]):
         self.dtype = common_type([*vectors, *numbers])
         given = [v.shape[:-1] for v in vectors] + [t.shape for t in (*numbers, masks) if t is not None]
         self.shape = np.broadcast_shapes(*given)
@@ -41,13 +43,13 @@ class Broadcast:
         self.numbers = [self._flat(t, self.dtype) for t in numbers]
         self.masks = self._flat(masks, np.dtype("<u4"))
 
-    def _flat(self, column: Optional[np.ndarray], dtype: np.dtype) -> Optional[np.ndarray]:
+    def _flat(self, column: Optional[Array], dtype: np.dtype[Any]) -> Optional[Array]:
         if column is None:
             return None
         return np.broadcast_to(column.astype(dtype, copy=False), self.shape).reshape(-1)
 
 
-def reals(value: ArrayLike, name: str) -> np.ndarray:
+def reals(value: ArrayLike, name: str) -> Array:
     """TypeError: not real numbers."""
     array = np.asarray(value)
     if array.dtype == object:
@@ -57,7 +59,7 @@ def reals(value: ArrayLike, name: str) -> np.ndarray:
     return array
 
 
-def triples(value: ArrayLike, name: str) -> np.ndarray:
+def triples(value: ArrayLike, name: str) -> Array:
     """TypeError: not real numbers. ValueError: not (..., 3)."""
     array = reals(value, name)
     if array.ndim == 0 or array.shape[-1] != 3:
@@ -65,7 +67,7 @@ def triples(value: ArrayLike, name: str) -> np.ndarray:
     return array
 
 
-def bits(value: Any) -> Optional[np.ndarray]:
+def bits(value: Any) -> Optional[Array]:
     """Masks, or None where none are given. TypeError, ValueError: not integers of 32 bits."""
     if value is None:
         return None
@@ -77,7 +79,7 @@ def bits(value: Any) -> Optional[np.ndarray]:
     return array
 
 
-def common_type(columns: "List[Optional[np.ndarray]]") -> np.dtype:
+def common_type(columns: "List[Optional[Array]]") -> np.dtype[Any]:
     """float32 if it holds every column exactly by its type, or by its value for single numbers; else float64."""
     for column in columns:
         if column is None or column.dtype.newbyteorder("<") == np.dtype("<f4") or column.dtype == np.float16:

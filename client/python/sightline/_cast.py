@@ -12,6 +12,7 @@ from . import _cast_codec as codec
 from . import errors
 from ._arrays import Rows
 from ._connection import Connection
+from ._generated import Generated
 from ._retries import Retries, sleep
 from ._query import Query, milliseconds
 from ._segment_columns import SegmentColumns, SharedPiece
@@ -35,7 +36,7 @@ def cast_once(connection: Connection, query: Query, rays: Rows, timeout: Optiona
     """Casts in one message, which the server's limits allow."""
     parts = codec.request_parts(query.request.SerializeToString(), rays, 0, rays.count)
     return codec.answer(connection.call(query.form.call, b"".join(parts), timeout, light=False,
-                                         scene=query.request.scene))
+                                         scene=query.request.scene, route_key=query.route_key))
 
 
 def pieces(batches: "Iterable[Rows]", size: int, first: int = 0) -> "Iterator[Piece]":
@@ -45,21 +46,28 @@ def pieces(batches: "Iterable[Rows]", size: int, first: int = 0) -> "Iterator[Pi
             yield Piece(rays, begin, end)
 
 
-def generated(generator: Any, total: int, size: int, begin: int = 0) -> "Iterator[Any]":
-    """The requests for the rays of a generator, or the points of a grid, from number `begin` on; each is a message of its
-    type."""
-    for first in range(begin, total, size):
-        part = type(generator)()
-        part.CopyFrom(generator)
-        part.first, part.count = first, min(size, total - first)
-        yield part
+def generated(source: Generated, size: int, begin: int = 0) -> "Iterator[Any]":
+    """The requests for the rays of a generator, or the points of a grid, from number `begin` on; each is a message of
+    its type."""
+    for first in range(begin, source.count, size):
+        yield source.part(first, min(size, source.count - first))
+
+
+def cast_generated_once(connection: Connection, query: Query, source: Generated,
+                        timeout: Optional[float]) -> codec.Answer:
+    """Casts what the server makes in one message, which its limits allow."""
+    request = query.form.request(**{query.form.generator: source.message()}).SerializeToString()
+    data = query.request.SerializeToString() + request
+    return codec.answer(connection.call(query.form.call, data, timeout, light=False,
+                                        scene=query.request.scene, route_key=query.route_key))
 
 
 class CastStream:
     """Answers to the items of a source, in order, all at one revision.
 
-    Items are Pieces, or messages RayGenerator or PointGrid. They are taken from the source by another thread, a few ahead of the answers.
-    With `segment`, items are its pieces, and a broken call is not opened again: the server might still write to it.
+    Items are Pieces, or messages RayGenerator or PointGrid. They are taken from the source by another thread, a few
+    ahead of the answers. With `segment`, items are its pieces, and a broken call is not opened again: the server might
+    still write to it.
     """
 
     def __init__(self, connection: Connection, query: Query, source: "Iterator[Any]", timeout: Optional[float],
@@ -110,7 +118,7 @@ class CastStream:
         timeout = None if self._deadline is None else max(0.0, self._deadline - time.monotonic())
         expected, parts = 0, []
         with self._connection.stream(self._query.form.stream, self._window.attempt(self._encoder()), timeout,
-                                     self._query.request.scene) as stream:
+                                     self._query.request.scene, self._query.route_key) as stream:
             for data in stream:
                 chunk, answer = codec.stream_answer(data)
                 item = self._window.oldest()
@@ -129,7 +137,7 @@ class CastStream:
         if self._budget_end is None:
             return b""
         rest = milliseconds(self._budget_end - time.monotonic())
-        return self._query.form.request(time_budget_ms=rest).SerializeToString()
+        return bytes(self._query.form.request(time_budget_ms=rest).SerializeToString())
 
     def _encoder(self) -> "Callable[[int, Any], bytes]":
         form = self._query.form

@@ -9,6 +9,7 @@ import numpy as np
 from . import _proto, _wire, errors
 from ._arrays import Rows
 from ._query import COLUMNS, NAME_OF
+from ._types import Array
 from .points import Points
 
 
@@ -36,8 +37,8 @@ _STREAM_RESPONSE = _numbers(_proto.StreamCastRaysResponse)
 
 
 def request_parts(description: bytes, rays: Rows, begin: int, end: int) -> "List[Any]":
-    """A CastRaysRequest of some rays, or a QueryPointsRequest of some points, as buffers to be joined. `description` is the
-    request without them."""
+    """A CastRaysRequest of some rays, or a QueryPointsRequest of some points, as buffers to be joined. `description` is
+    the request without them."""
     source = _POINTS if isinstance(rays, Points) else _RAYS
     numbers = source.fields
     parts: "List[Any]" = [_wire.number_field(numbers["float64"], rays.dtype.itemsize == 8)]
@@ -60,10 +61,11 @@ def _length(parts: "List[Any]") -> int:
 
 
 class Answer:
-    """A decoded CastRaysResponse or QueryPointsResponse. `columns` are views of the received bytes, by name; names of nodes are str objects."""
+    """A decoded CastRaysResponse or QueryPointsResponse. `columns` are views of the received bytes, by name; names of
+    nodes are str objects."""
 
     def __init__(self, data: memoryview):
-        self.columns: "Dict[str, np.ndarray]" = {}
+        self.columns: "Dict[str, Array]" = {}
         self.revision = 0
         self.token = ""
         self.stats: Optional[Any] = None
@@ -91,7 +93,7 @@ class Answer:
         if "name" in self.columns:
             self._put_names()
 
-    def put(self, name: str, rows: np.ndarray) -> None:
+    def put(self, name: str, rows: Array) -> None:
         """Adds a column of a segment. Errors: Internal, a row has no name."""
         if name != "name":
             self.columns[name] = rows
@@ -122,7 +124,7 @@ class Answer:
             raise ValueError(f"the server's answer names row {rows.max()} of {len(names)} names")
         self.columns["name"] = np.array(names, object)[rows] if names else np.empty(0, object)
 
-    def rows(self, name: str, count: int) -> np.ndarray:
+    def rows(self, name: str, count: int) -> Array:
         """A column that must have so many rows."""
         column = self.columns.get(name)
         if column is None or len(column) != count:

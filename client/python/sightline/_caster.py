@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import time
 from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Tuple, Union
 
@@ -9,20 +10,27 @@ import numpy as np
 
 from . import _cast_codec as codec
 from . import errors
-from ._all_hits import complete, complete_points
+from ._answer import empty_columns
 from ._arrays import Rows
-from ._cast import RAYS_PER_MESSAGE, CastStream, Piece, cast_once, generated, pieces
+from ._cast import RAYS_PER_MESSAGE, CastStream, Piece, cast_generated_once, cast_once, generated, pieces
+from ._completion import complete, complete_rows
 from ._connection import Connection
+from ._generated import Generated
 from ._segment_columns import SegmentColumns
 from ._query import OF_HITS, POINTS, Query
-from .batch import Applied
-from .hits import AllHits, Hits, NameLookup, empty_columns
-from .nearest import AllNearest, Nearest
-from .points import PointGrid
+from ._types import Array, NameLookup
+from .all_hits import AllHits
+from .all_nearest import AllNearest
+from .applied import Applied
+from .hits import Hits
+from .nearest import Nearest
+from .point_grid import PointGrid
+from .points import Points
+from .rays import Rays
 
 Progress = Callable[[int], None]  # called with how many more rays are answered
-Source = Union[Rows, PointGrid]   # what is cast
-_MOST_GENERATED = 16384
+Answered = Union[Hits, AllHits]
+Source = Union[Rows, Generated]   # what is cast
 
 
 class _Totals:
@@ -45,7 +53,7 @@ class _Totals:
 class _PerRay:
     """Fills a row for each ray."""
 
-    def __init__(self, query: Query, count: int, out: "Dict[str, np.ndarray]"):
+    def __init__(self, query: Query, count: int, out: "Dict[str, Array]"):
         self._made = Nearest if query.form is POINTS else Hits
         others = tuple(name for name in query.columns if name not in out)
         self.columns = {**empty_columns(others, count), **out}
@@ -76,7 +84,7 @@ class _PerHit:
 
     def __init__(self, query: Query, _: int):
         self._made = AllNearest if query.form is POINTS else AllHits
-        self._parts: "Dict[str, List[np.ndarray]]" = {name: [] for name in query.columns}
+        self._parts: "Dict[str, List[Array]]" = {name: [] for name in query.columns}
         self._parts["offset"].append(np.zeros(1, np.uint64))
         self._totals = _Totals()
         self._listed = 0
@@ -100,7 +108,7 @@ class _PerHit:
         return self._made(shape, columns, totals.revision, totals.token, totals.stats, rays, names)
 
 
-def _collector(query: Query, count: int, out: "Dict[str, np.ndarray]") -> "Union[_PerRay, _PerHit]":
+def _collector(query: Query, count: int, out: "Dict[str, Array]") -> "Union[_PerRay, _PerHit]":
     return _PerHit(query, count) if query.kind == "all" else _PerRay(query, count, out)
 
 
@@ -131,7 +139,7 @@ class Caster:
         self._deadline: Optional[float] = None    # once the cast has begun, as the next
         self._budget_end: Optional[float] = None
 
-    def cast(self, rays: Source, progress: Progress, out: "Optional[Dict[str, np.ndarray]]" = None) -> "Union[Hits, AllHits]":
+    def cast(self, rays: Source, progress: Progress, out: "Optional[Dict[str, Array]]" = None) -> Answered:
         """All rays of an array, or points of a grid. out: columns that are filled. ValueError: updates, with what one
         message does not hold."""
         if self._query.has_updates():
@@ -139,7 +147,7 @@ class Caster:
         self._begin()
         return self._completed(self._answers(self._query, rays, progress, out or {}), rays)
 
-    def cast_batches(self, batches: "Iterable[Rows]", progress: Progress) -> "Iterator[Union[Hits, AllHits]]":
+    def cast_batches(self, batches: "Iterable[Rows]", progress: Progress) -> "Iterator[Answered]":
         """The hits of each batch, in order. A few messages are in memory at a time, and the batches they belong to."""
         self._begin()
         source = pieces(batches, min(self._limit, RAYS_PER_MESSAGE))
@@ -154,12 +162,12 @@ class Caster:
                 collector = None
 
     def _check_one_message(self, rays: Source) -> None:
-        if self._query.kind == "all" or isinstance(rays, PointGrid):
-            raise ValueError("apply goes with arrays of rays or points, and not with kind='all': apply the changes first, and "
-                             "cast with revision=batch.applied.revision")
+        if self._query.kind == "all":
+            raise ValueError("apply does not go with kind='all': apply the changes first, and cast with "
+                             "revision=batch.applied.revision")
         if rays.count > self._limit:
-            raise ValueError(f"apply goes with what one message holds, {self._limit} rays or points, not {rays.count}: apply "
-                             "the changes first, and cast with revision=batch.applied.revision")
+            raise ValueError(f"apply goes with what one message holds, {self._limit} rays or points, not {rays.count}: "
+                             "apply the changes first, and cast with revision=batch.applied.revision")
 
     def _begin(self) -> None:
         now, budget = time.monotonic(), self._query.request.time_budget_ms
@@ -167,27 +175,28 @@ class Caster:
         self._budget_end = now + budget / 1000 if budget else None
 
     def _answers(self, query: Query, rays: Source, progress: Progress,
-                 out: "Dict[str, np.ndarray]") -> "Union[Hits, AllHits]":
+                 out: "Dict[str, Array]") -> Answered:
         collector, size, begin = _collector(query, rays.count, out), min(self._limit, RAYS_PER_MESSAGE), 0
         if isinstance(collector, _PerRay) and not query.has_updates():
-            source = rays.message() if isinstance(rays, PointGrid) else rays
+            source = rays.message() if isinstance(rays, Generated) else rays
             _fill_through_segment(self._connection, query, source, rays.count, collector, self._rest(), progress)
             begin = collector.filled
             query = query.going_on(collector.revision, self._budget_end) if begin else query
         if begin == rays.count and begin:
             pass
-        elif isinstance(rays, PointGrid):
-            for part, answers in self._stream(query, generated(rays.message(), rays.count, size, begin)):
+        elif isinstance(rays, Generated) and not query.has_updates():
+            for part, answers in self._stream(query, generated(rays, size, begin)):
                 collector.add(part.count, answers)
                 progress(part.count)
         elif not begin and rays.count <= self._limit and query.kind != "all":
-            answer = cast_once(self._connection, query, rays, self._rest())
+            answer = cast_once(self._connection, query, rays, self._rest()) if isinstance(rays, Rows) else \
+                cast_generated_once(self._connection, query, rays, self._rest())
             if query.has_updates() and answer.applied is None:
                 raise errors.Unimplemented("the server is of a version that applies no updates with a cast, and has "
                                            "applied none")
             collector.add(rays.count, [answer])
             progress(rays.count)
-        else:
+        elif isinstance(rays, Rows):
             for piece, answers in self._stream(query, pieces([rays], size, begin)):
                 collector.add(piece.end - piece.begin, answers)
                 progress(piece.end - piece.begin)
@@ -199,38 +208,35 @@ class Caster:
     def _rest(self) -> Optional[float]:
         return None if self._deadline is None else max(0.0, self._deadline - time.monotonic())
 
-    def _completed(self, hits: "Union[Hits, AllHits]", rays: Any) -> "Union[Hits, AllHits]":
+    def _completed(self, hits: Answered, rays: Source) -> Answered:
         query = self._query
 
-        def again(some: Rows) -> Any:
-            return self._answers(query.again(hits.revision, self._budget_end), some, lambda _: None, {})
+        def again(some: Rows) -> AllHits:
+            answer = self._answers(query.again(hits.revision, self._budget_end), some, lambda _: None, {})
+            assert isinstance(answer, AllHits)  # the query is of kind "all"
+            return answer
 
-        if isinstance(hits, AllNearest) and query.needs_more():
-            complete_points(hits, lambda rows: again(rays.some(rows)))
-        elif isinstance(hits, AllHits) and query.needs_more():
-            complete(hits, rays, query.most, again)
+        if isinstance(hits, AllHits) and query.needs_more():
+            if isinstance(rays, Rays):
+                complete(hits, rays, query.most, again)
+            elif isinstance(rays, (Points, PointGrid)):
+                points = rays
+                complete_rows(hits, lambda rows: again(points.some(rows)), "points")
+            elif isinstance(rays, Generated):
+                complete_rows(hits, functools.partial(self._generated_again, hits.revision, rays), "rays")
         for name in query.hidden:
             del hits._columns[name]
         self._check(rays, hits.token)
         return hits
 
+    def _generated_again(self, revision: int, source: Generated, rows: Array) -> AllHits:
+        """Some rays of a generator, one in each message."""
+        query = self._query.again(revision, self._budget_end)
+        collector = _PerHit(query, len(rows))
+        for _, answers in self._stream(query, (source.part(int(row), 1) for row in rows)):
+            collector.add(1, answers)
+        return collector.hits((len(rows),), None, self._names)
+
 
 def _is_last(piece: Piece) -> bool:
     return piece.end == piece.rays.count
-
-
-def cast_generated(connection: Connection, query: Query, generator: Any, shape: "Tuple[int, ...]",
-                   timeout: Optional[float], names: NameLookup) -> Hits:
-    """Casts rays that the server makes, of another kind than "all": as many as `shape` has elements."""
-    total = int(np.prod(shape))
-    collector = _PerRay(query, total, {})
-    seconds = connection.timeout if timeout is None else timeout
-    deadline = None if seconds is None else time.monotonic() + seconds
-    _fill_through_segment(connection, query, generator, total, collector, seconds, lambda _: None)
-    if collector.filled < total or not total:
-        rest = None if deadline is None else max(0.0, deadline - time.monotonic())
-        query = query.going_on(collector.revision, None) if collector.filled else query
-        source = generated(generator, total, _MOST_GENERATED, collector.filled)
-        for part, answers in CastStream(connection, query, source, rest).answers():
-            collector.add(part.count, answers)
-    return collector.hits(shape, None, names)

@@ -23,7 +23,8 @@ _READ_AHEAD = 2  # answers of a stream
 
 # Calls that may be repeated: those that read, and ApplyUpdates, which has a request id.
 _REPEATABLE = ("CastRays", "QueryPoints", "GetScene", "ListScenes", "BatchGetNodes", "GetSceneStats",
-               "FindMissingBlobs", "GetUploadStatus", "GetServerInfo", "ApplyUpdates")
+               "FindMissingBlobs", "GetUploadStatus", "GetServerInfo", "ApplyUpdates", "ReadMesh", "ListDeferredCells",
+               "ReadLog", "CoolScene")
 # Calls that have had no effect where the server refuses them for now, or that may be repeated if they had one. A refusal
 # of others may come after their effect: their answer did not fit among those that are not read yet.
 _REPEATED_WHEN_REFUSED = {*_REPEATABLE, "PutScene"}
@@ -43,13 +44,14 @@ def service_config(endpoint: Endpoint) -> str:
     return json.dumps(config)
 
 
-def _route(request: Any, scene: str) -> "tuple[tuple[str, str], ...]":
-    """The scene that a call is about, for balancers that keep the trees of a scene on one server."""
+def _route(request: Any, scene: str, key: str = "") -> "tuple[tuple[str, str], ...]":
+    """The scene that a call is about, for balancers that keep the trees of a scene on one server; `key` parts its calls
+    further."""
     for field in ("scene", "name"):
         scene = scene or getattr(request, field, "")
     if isinstance(scene, str) and scene and all(" " < c <= "~" for c in scene):
-        return (("x-scene", scene),)
-    return ()
+        return (("x-scene", scene), ("x-route-key", key)) if key else (("x-scene", scene),)
+    return (("x-route-key", key),) if key else ()
 
 
 def _read(file: "str | os.PathLike[str] | None") -> "bytes | None":
@@ -76,6 +78,7 @@ class Connection:
                                          "TOKEN_IN_PLAINTEXT")
         self.endpoint = endpoint
         self.timeout = timeout
+        self._files, self._token = (tls_ca, tls_cert, tls_key), token
         self._metadata = (("authorization", f"Bearer {token}"),) if token else ()
         self._channel = _open(address, _read(tls_ca), _read(tls_cert), _read(tls_key))
         self.segments = SegmentPool(self, refusal_of(address, use_segments))
@@ -91,7 +94,7 @@ class Connection:
             response_deserializer=None if is_cast else method.response.FromString)
 
     def call(self, name: str, request: Any, timeout: "float | None" = None, light: bool = True,
-             scene: str = "") -> Any:
+             scene: str = "", route_key: str = "") -> Any:
         """A call with one answer; `request` is a message or, for a stream, an iterable of them. `timeout` in seconds;
         None: the connection's. A call that is not light has no limit unless one was set. `scene`: what the call is
         about, if a message does not say it. A call that the server refuses for now is repeated when the server says,
@@ -102,14 +105,14 @@ class Connection:
         while True:
             rest = None if deadline is None else max(0.0, deadline - time.monotonic())
             try:
-                return self._attempt(name, request, rest, scene)
+                return self._attempt(name, request, rest, _route(request, scene, route_key))
             except errors.ResourceExhausted as error:
                 if name not in _REPEATED_WHEN_REFUSED or not retries.wait(error):
                     raise
 
-    def _attempt(self, name: str, request: Any, seconds: "float | None", scene: str) -> Any:
+    def _attempt(self, name: str, request: Any, seconds: "float | None", route: Any) -> Any:
         sent = iter(request) if isinstance(request, list) else request
-        call = self._callables[name].future(sent, timeout=seconds, metadata=self._metadata + _route(request, scene))
+        call = self._callables[name].future(sent, timeout=seconds, metadata=self._metadata + route)
         current = scope.get()
         if current is not None:
             current.add(call)
@@ -126,9 +129,10 @@ class Connection:
             if current is not None:
                 current.remove(call)
 
-    def stream(self, name: str, request: Any, timeout: "float | None" = None, scene: str = "") -> "Stream":
+    def stream(self, name: str, request: Any, timeout: "float | None" = None, scene: str = "",
+               route_key: str = "") -> "Stream":
         """A call with many answers; `timeout` in seconds, None: no limit. `scene` as for call()."""
-        metadata = self._metadata + _route(request, scene)
+        metadata = self._metadata + _route(request, scene, route_key)
         return Stream(self._callables[name](request, timeout=timeout, metadata=metadata))
 
     def begin(self, name: str, request: Any) -> Any:
@@ -139,6 +143,15 @@ class Connection:
         if timeout is None:
             timeout = self.timeout
         return _LIGHT_TIMEOUT if timeout is None and light else timeout
+
+    def command_options(self, timeout: "float | None") -> "tuple[list[str], dict[str, str]]":
+        """Flags and variables of the environment that let the command call the same server in the same way."""
+        flags = [f"--endpoint={self.endpoint}"]
+        for flag, file in zip(("--tls-ca", "--tls-cert", "--tls-key"), self._files):
+            flags += [] if file is None else [f"{flag}={os.path.abspath(file)}"]
+        seconds = self.timeout if timeout is None else timeout
+        flags += [] if seconds is None else [f"--deadline={seconds}"]
+        return flags, {"SIGHTLINE_TOKEN": self._token}
 
     def close(self) -> None:
         """Ends all calls."""

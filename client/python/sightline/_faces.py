@@ -6,21 +6,24 @@ from typing import Tuple
 
 import numpy as np
 
+from ._types import Array
 
-def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+
+def dot(a: Array, b: Array) -> Array:
     """(n), of rows (n, 3)."""
-    return np.einsum("ij,ij->i", a, b)
+    products: Array = np.einsum("ij,ij->i", a, b)
+    return products
 
 
-def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def cross(a: Array, b: Array) -> Array:
     """(n, 3), of rows (n, 3)."""
     (ax, ay, az), (bx, by, bz) = a.T, b.T
     return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=1)
 
 
-def closest_on_faces(corners: np.ndarray, points: np.ndarray) -> "Tuple[np.ndarray, np.ndarray]":
-    """Of faces with corners (n, 3, 3), each its point (n, 3) that is nearest to one of points (n, 3), and how far (n) that
-    is. A face without area is the segment or the point that it is."""
+def closest_on_faces(corners: Array, points: Array) -> "Tuple[Array, Array]":
+    """Of faces with corners (n, 3, 3), each its point (n, 3) that is nearest to one of points (n, 3), and how far (n)
+    that is. A face without area is the segment or the point that it is."""
     points = points.astype("f8", copy=False)
     nearest = _within(corners, points)
     distance = np.linalg.norm(nearest - points, axis=1)
@@ -36,13 +39,13 @@ def closest_on_faces(corners: np.ndarray, points: np.ndarray) -> "Tuple[np.ndarr
     return nearest, distance
 
 
-def _within(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
+def _within(corners: Array, points: Array) -> Array:
     """(n, 3): the feet of points on the planes of faces, NaN where they lie beside the face."""
     origin, first, second = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     offset, normal = points - origin, cross(first, second)
     square = dot(normal, normal)
     with np.errstate(divide="ignore", invalid="ignore"):
         u, v = dot(cross(offset, second), normal) / square, dot(cross(first, offset), normal) / square
-        foot = origin + u[:, None] * first + v[:, None] * second
+        foot: Array = origin + u[:, None] * first + v[:, None] * second
         foot[~((u >= 0) & (v >= 0) & (u + v <= 1))] = np.nan
     return foot

@@ -10,9 +10,9 @@ power of two:
 On an axis where a mesh is wholly within 16 steps of zero its offset is 0, else it is the multiple of the step nearest
 to its middle. A mesh is at most a step in size, so that what is left of each rounded coordinate is exactly a float.
 
-Which step a mesh has depends on where it lies and, coarsely, on its size: at 4,000,000 all meshes from 13 to 4,096 units
-have the step 4,096, and are rounded to a 4,096th. A scene keeps the steps that it has: a mesh takes the smallest of them
-that it fits and that is fine enough for it.
+Which step a mesh has depends on where it lies and, coarsely, on its size: at 4,000,000 all meshes from 13 to 4,096
+units have the step 4,096, and are rounded to a 4,096th. A scene keeps the steps that it has: a mesh takes the smallest
+of them that it fits and that is fine enough for it.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from typing import Any, Dict, Optional, Tuple
 
 import numpy as np
 
+from ._types import Array
 from ._warnings import PrecisionWarning, warn
 
 _FAR = 16                    # steps
@@ -31,17 +32,17 @@ _LOSS = 1e-4                 # share of a mesh's size: a step that rounds more i
 _CHOSEN_LOSS = 1e-5          # for a step that no mesh of the scene has yet, so that smaller meshes may share it
 _USUAL = 2.0 ** -12          # share of the distance from zero: the step of most meshes
 _LARGER, _SMALLER = 16, 1/8  # times a step: for meshes that do not fit it, and for which it is too coarse
-Box = Tuple[np.ndarray, np.ndarray]
+Box = Tuple[Array, Array]
 
 
 class Placement:
     """How one mesh is kept. `origin` (3), float64: what is subtracted from its vertices."""
 
-    def __init__(self, origin: np.ndarray, step: float):
+    def __init__(self, origin: Array, step: float):
         self.origin = origin
         self._step = step
 
-    def residuals(self, vertices: Any) -> np.ndarray:
+    def residuals(self, vertices: Any) -> Array:
         """float32 (v, 3): vertices relative to the origin. Exact for those that lie within a step of the mesh."""
         exact = np.asarray(vertices, "f8")
         with np.errstate(over="ignore", invalid="ignore"):
@@ -58,7 +59,7 @@ class Lattice:
         #: Meshes that Scene.add has sent, by digest and the origin that it was given.
         self.added: "Dict[Tuple[str, Tuple[float, ...]], Optional[Placement]]" = {}
 
-    def place(self, vertices: np.ndarray) -> Placement:
+    def place(self, vertices: Array) -> Placement:
         """Where to keep a mesh of these vertices, real (v, 3)."""
         points = np.asarray(vertices, "f8")
         finite = np.isfinite(points).all(axis=1)
@@ -77,7 +78,7 @@ class Lattice:
         is_far = reach >= _FAR * step
         return Placement(np.where(is_far, step * np.round((low / 2 + high / 2) / step), 0.0), step)
 
-    def _step(self, size: float, reach: np.ndarray) -> float:
+    def _step(self, size: float, reach: Array) -> float:
         for known in sorted(self._boxes):
             if size <= known and _error(known, reach) <= _LOSS * size:
                 return known
@@ -111,12 +112,12 @@ class Lattice:
                  "an edge", PrecisionWarning)
 
 
-def _error(step: float, reach: np.ndarray) -> float:
+def _error(step: float, reach: Array) -> float:
     """How far rounding moves a coordinate, at most."""
     return float(np.where(reach >= _FAR * step, step / 2, reach).max()) * _QUANTUM
 
 
-def _rounded(exact: np.ndarray, step: float) -> np.ndarray:
+def _rounded(exact: Array, step: float) -> Array:
     if not math.isfinite(step):
         return exact
     quantum = step * _QUANTUM

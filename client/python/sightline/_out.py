@@ -7,8 +7,9 @@ from typing import Any, Dict, Iterable, Mapping, Optional, Tuple
 import numpy as np
 
 from ._query import COLUMNS, Form, Query
+from ._types import Array
 
-Out = Mapping[str, np.ndarray]
+Out = Mapping[str, Array]
 
 
 def fields_with(out: Optional[Out], fields: "Optional[Iterable[str]]") -> "Optional[Iterable[str]]":
@@ -16,9 +17,9 @@ def fields_with(out: Optional[Out], fields: "Optional[Iterable[str]]") -> "Optio
     return tuple(out) if out and fields is None else fields
 
 
-def columns_of(out: Optional[Out], query: Query, shape: "Tuple[int, ...]") -> "Dict[str, np.ndarray]":
-    """The arrays as columns over all rows, by the names of columns. TypeError, ValueError: they are not of the type or shape of
-    the answer, not contiguous, not writable, or not of what is asked for."""
+def columns_of(out: Optional[Out], query: Query, shape: "Tuple[int, ...]") -> "Dict[str, Array]":
+    """The arrays as columns over all rows, by the names of columns. TypeError, ValueError: they are not of the type or
+    shape of the answer, not contiguous, not writable, or not of what is asked for."""
     if not out:
         return {}
     if query.kind == "all":
@@ -30,7 +31,7 @@ def _name(form: Form, name: str) -> str:
     return "t" if name == form.t else name
 
 
-def _column(query: Query, name: str, array: Any, shape: "Tuple[int, ...]") -> np.ndarray:
+def _column(query: Query, name: str, array: Any, shape: "Tuple[int, ...]") -> Array:
     known = _name(query.form, name)
     if known not in query.columns or known == "name" or (known == "t") != (name == query.form.t):
         raise ValueError(f"out has {name!r}, which is no array of what is asked for")

@@ -6,8 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from ._types import Array
 
-def intrinsic_rays(intrinsic_matrix: Any, extrinsic_matrix: Any, width_px: int, height_px: int) -> np.ndarray:
+
+def intrinsic_rays(intrinsic_matrix: Any, extrinsic_matrix: Any, width_px: int, height_px: int) -> Array:
     """float32 (height, width, 6): from the camera's centre through the middles of pixels, with directions that reach
     depth 1. The intrinsic matrix (3, 3) maps the camera's frame to pixels, the extrinsic (4, 4) the world to it."""
     intrinsic, extrinsic = np.asarray(intrinsic_matrix, "f8"), np.asarray(extrinsic_matrix, "f8")
@@ -22,7 +24,7 @@ def intrinsic_rays(intrinsic_matrix: Any, extrinsic_matrix: Any, width_px: int, 
     return rays
 
 
-def look_at(fov_deg: float, center: Any, eye: Any, up: Any, width_px: int, height_px: int) -> np.ndarray:
+def look_at(fov_deg: float, center: Any, eye: Any, up: Any, width_px: int, height_px: int) -> Array:
     """Rays of a camera at `eye` that looks at `center`, with an angle from its left to its right edge. `up` is the
     frame's y axis, which rows count along: the first row is the farthest from it."""
     position, ahead = np.asarray(eye, "f8"), np.asarray(center, "f8") - np.asarray(eye, "f8")

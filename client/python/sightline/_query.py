@@ -14,7 +14,7 @@ class Column(NamedTuple):
     """A column of hits: its number on the wire, element type there, and the shape of a row."""
 
     number: int
-    dtype: np.dtype
+    dtype: "np.dtype[Any]"
     row: Tuple[int, ...]
 
 
@@ -42,6 +42,8 @@ NAME_OF = {column.number: name for name, column in COLUMNS.items()}
 MOST_LISTED = 16384  # hits of a ray, in an answer
 GEOMETRY = ("t", "node", "primitive", "uv", "normal")
 OF_HITS = (*GEOMETRY, "position", "name")  # for kind "all": a row for each hit
+
+KINDS = ("closest", "any", "count", "all")
 
 # The columns that an answer always has, and those that may be named.
 _ALWAYS = {"closest": (), "any": ("hit",), "count": ("count",), "all": ("offset", "hit")}
@@ -76,17 +78,19 @@ class Query(NamedTuple):
     request: Any              # of the form's class
     most: Optional[int] = None  # hits of a ray, for kind "all"; None: any number
     hidden: Tuple[str, ...] = ()  # columns that were not asked for
+    route_key: str = ""  # for balancers
 
     def has_updates(self) -> bool:
         """Whether updates are applied before."""
-        return self.request.HasField("apply")
+        return bool(self.request.HasField("apply"))
 
     def needs_more(self) -> bool:
         """Whether rays that have more hits than one answer lists are cast again."""
         return self.kind == "all" and (self.most is None or self.most > MOST_LISTED)
 
     def again(self, revision: int, end_of_budget: Optional[float]) -> "Query":
-        """The query for the rest of the hits: at this revision, as many as an answer lists, within the budget's rest."""
+        """The query for the rest of the hits: at this revision, as many as an answer lists, within the budget's
+        rest."""
         query = self.going_on(revision, end_of_budget)
         query.request.max_hits = MOST_LISTED
         return query._replace(most=MOST_LISTED, hidden=())
@@ -104,10 +108,10 @@ class Query(NamedTuple):
 def describe(form: Form, scene: str, kind: str, fields: "Optional[Iterable[str]]", build: "Optional[str]",
              cull: "Optional[str]", under: int, exclude: "Iterable[int]", max_hits: int, at_least: "Optional[str]",
              revision: "Optional[int]", time_budget: "Optional[float]" = None, allow_partial: bool = False,
-             side: str = "parity", side_rays: int = 1) -> Query:
+             side: str = "parity", side_rays: int = 1, route_key: str = "") -> Query:
     """`cull` is None for points, and the sides are those of points. ValueError: an unknown word, a field that the kind
-    does not have, for points a max_hits above what an answer lists, sides that the server would refuse, or a time budget
-    that is not above 0."""
+    does not have, for points a max_hits above what an answer lists, a max_hits below 0, sides that the server would
+    refuse, a time budget that is not above 0, or a route key that is not visible ASCII."""
     if kind not in _ALWAYS:
         raise ValueError(f"kind is {_words(_ALWAYS)}, not {kind!r}")
     if build not in _BUILD:
@@ -116,6 +120,10 @@ def describe(form: Form, scene: str, kind: str, fields: "Optional[Iterable[str]]
         raise ValueError(f"cull is {_words(_CULLING)}, not {cull!r}")
     if at_least is not None and revision is not None:
         raise ValueError("pass either at_least or revision")
+    if max_hits < 0:
+        raise ValueError(f"max_hits is 0 or above, not {max_hits}")
+    if not all(" " < c <= "~" for c in route_key):
+        raise ValueError(f"route_key is visible ASCII, not {route_key!r}")
     if form is POINTS and max_hits > MOST_LISTED:
         raise ValueError(f"max_hits is at most {MOST_LISTED} for points, not {max_hits}")
     named = _named(form, kind, fields)
@@ -138,7 +146,7 @@ def describe(form: Form, scene: str, kind: str, fields: "Optional[Iterable[str]]
         if not time_budget > 0:
             raise ValueError(f"time_budget is above 0, not {time_budget!r}")
         request.time_budget_ms = milliseconds(time_budget)
-    return Query(form, kind, columns, request, most, hidden)
+    return Query(form, kind, columns, request, most, hidden, route_key)
 
 
 def _named(form: Form, kind: str, fields: "Optional[Iterable[str]]") -> "Tuple[str, ...]":

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from ._faces import closest_on_faces, cross
 from ._lattice import Placement
 from ._meshes_of import OwnScene
+from ._types import Array
 from .client import Client
 from .scene import Scene
 
@@ -26,13 +27,13 @@ class Cloud(NamedTuple):
     """The vertices that faces have, each as a face of its own."""
 
     own: OwnScene
-    numbers: np.ndarray  # (f) int64: the vertices of its faces
+    numbers: Array  # (f) int64: the vertices of its faces
     is_moved: bool       # whether rounding has moved one
 
 
 class Surface:
-    """A mesh as it was when this was made, in a scene of its own. The server keeps its vertices as float32 about a point
-    near them."""
+    """A mesh as it was when this was made, in a scene of its own. The server keeps its vertices as float32 about a
+    point near them."""
 
     def __init__(self, mesh: Any, client: Optional[Client]):
         self._client = client
@@ -51,10 +52,11 @@ class Surface:
         return float(shifts.max(initial=0.0, where=np.isfinite(shifts)))
 
     @functools.cached_property
-    def _moved(self) -> np.ndarray:
+    def _moved(self) -> Array:
         """bool (f): whether rounding has moved a vertex of the face."""
         is_moved = np.append(_shifts(self.vertices, self._placement) != 0, False)
-        return is_moved[np.minimum(self.faces, len(self.vertices))].any(axis=1)
+        of_faces: Array = is_moved[np.minimum(self.faces, len(self.vertices))].any(axis=1)
+        return of_faces
 
     @functools.cached_property
     def cloud(self) -> Cloud:
@@ -66,19 +68,20 @@ class Surface:
             _, placement = own.add_placed(self.vertices, np.repeat(numbers[:, None], 3, axis=1))
         return Cloud(own, numbers, bool(_shifts(self.vertices, placement)[numbers].any()))
 
-    def corners(self, faces: np.ndarray) -> np.ndarray:
+    def corners(self, faces: Array) -> Array:
         """float64 (m, 3, 3), of these faces (m)."""
-        return self.vertices[self.faces[faces]].astype("f8", copy=False)
+        corners: Array = self.vertices[self.faces[faces]].astype("f8", copy=False)
+        return corners
 
-    def normals(self, faces: np.ndarray) -> np.ndarray:
+    def normals(self, faces: Array) -> Array:
         """float64 (m, 3), unit, of these faces (m); 0 for one without area."""
         corners = self.corners(faces)
         normals = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         length = np.linalg.norm(normals, axis=1, keepdims=True)
         return np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
 
-    def measured(self, points: np.ndarray, faces: np.ndarray, positions: np.ndarray,
-                 distances: np.ndarray) -> "Tuple[np.ndarray, np.ndarray]":
+    def measured(self, points: Array, faces: Array, positions: Array,
+                 distances: Array) -> "Tuple[Array, Array]":
         """The points of faces (m) nearest to points (m, 3), and how far they are: the server's, which are changed here
         where rounding has moved a face."""
         rows = np.flatnonzero(self._moved[faces])
@@ -133,12 +136,12 @@ class OfMesh:
         return self._current.of(self.mesh)
 
 
-def _shifts(vertices: np.ndarray, placement: Optional[Placement]) -> np.ndarray:
+def _shifts(vertices: Array, placement: Optional[Placement]) -> Array:
     """(v): how far rounding moves each vertex of a mesh that is kept so."""
     exact = np.asarray(vertices, "f8").reshape(-1, 3)
     with np.errstate(over="ignore", invalid="ignore"):
         kept = exact.astype("f4").astype("f8") if placement is None else placement.residuals(exact) + placement.origin
-        return np.linalg.norm(kept - exact, axis=1)
+        return np.asarray(np.linalg.norm(kept - exact, axis=1))
 
 
 def surface_of(mesh: Any, client: Optional[Client] = None) -> Surface:
@@ -154,7 +157,7 @@ def surface_of(mesh: Any, client: Optional[Client] = None) -> Surface:
     return found[2].of(mesh)
 
 
-def points_of(points: ArrayLike) -> np.ndarray:
+def points_of(points: ArrayLike) -> Array:
     """ValueError: not (n, 3)."""
     array = np.asarray(points)
     if array.ndim != 2 or array.shape[1] != 3:

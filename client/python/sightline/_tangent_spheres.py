@@ -1,7 +1,7 @@
 """Rays from a surface, and the largest spheres that touch it at a point and have none of it inside.
 
-A sphere begins large enough and is shrunk until it is empty: while a point of the surface lies inside, the sphere through
-that point and the start is the next (Inui, Umezu, Shimane: Shrinking sphere, 2016).
+A sphere begins large enough and is shrunk until it is empty: while a point of the surface lies inside, the sphere
+through that point and the start is the next (Inui, Umezu, Shimane: Shrinking sphere, 2016).
 """
 
 from __future__ import annotations
@@ -12,24 +12,27 @@ import numpy as np
 
 from ._faces import dot
 from ._surface import Surface
+from ._types import Array
 
 _START = 1e-5      # a length: what is nearer to the start does not count
 _FLATTEST = 1e-7   # of the reach of a mesh: what rises less above the plane at the start does not limit a sphere
 _SHIFTS = 4        # times the rounding of vertices, which puts a start on the surface as far beside it
 
 
-def longest_rays(surface: Surface, points: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    """(n): lengths of rays from points (n, 3) to the surface, beyond the start; +inf for none, NaN for an invalid ray."""
+def longest_rays(surface: Surface, points: Array, directions: Array) -> Array:
+    """(n): lengths of rays from points (n, 3) to the surface, beyond the start; +inf for none, NaN for an invalid
+    ray."""
     length = np.linalg.norm(directions.astype("f8", copy=False), axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
         start = np.nextafter(max(_START, _SHIFTS * surface.shift) / length, np.inf)
-        return surface.scene.cast(origins=points, directions=directions, tmin=start, fields=("t",)).t * length
+        reach: Array = surface.scene.cast(origins=points, directions=directions, tmin=start, fields=("t",)).t * length
+        return reach
 
 
-def shrink(surface: Surface, points: np.ndarray, axes: np.ndarray, threshold: float,
-           max_iter: int) -> "Tuple[np.ndarray, np.ndarray]":
-    """centers (n, 3) and radii (n) of spheres that touch the surface at points (n, 3), with their centers along unit axes
-    (n, 3). NaN and +inf where nothing limits one."""
+def shrink(surface: Surface, points: Array, axes: Array, threshold: float,
+           max_iter: int) -> "Tuple[Array, Array]":
+    """centers (n, 3) and radii (n) of spheres that touch the surface at points (n, 3), with their centers along unit
+    axes (n, 3). NaN and +inf where nothing limits one."""
     if not len(surface.faces):
         return np.full(points.shape, np.nan), np.full(len(points), np.inf)
     low, high = _bounds(surface)
@@ -59,7 +62,7 @@ def shrink(surface: Surface, points: np.ndarray, axes: np.ndarray, threshold: fl
     return centers, radii
 
 
-def _nearest(surface: Surface, points: np.ndarray) -> "Tuple[np.ndarray, np.ndarray]":
+def _nearest(surface: Surface, points: Array) -> "Tuple[Array, Array]":
     """The points (n, 3) of the surface that are nearest, and how far (n) they are."""
     near = surface.scene.closest(points, fields=("distance", "primitive", "position"))
     positions, distances, there = near.position, near.distance, np.flatnonzero(near.hit)
@@ -68,7 +71,7 @@ def _nearest(surface: Surface, points: np.ndarray) -> "Tuple[np.ndarray, np.ndar
     return positions, distances
 
 
-def _bounds(surface: Surface) -> "Tuple[np.ndarray, np.ndarray]":
+def _bounds(surface: Surface) -> "Tuple[Array, Array]":
     """Of the vertices that faces have."""
     corners = surface.vertices[np.minimum(np.unique(surface.faces), len(surface.vertices) - 1)].astype("f8")
     corners = corners[np.isfinite(corners).all(axis=1)]

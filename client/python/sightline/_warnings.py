@@ -17,6 +17,10 @@ class PrecisionWarning(UserWarning):
     rays, or points."""
 
 
+class FileWarning(UserWarning):
+    """What a scene file may have that was not imported, or was changed."""
+
+
 def warn(message: str, category: "Type[Warning]" = UserWarning) -> None:
     """Names the line that called the package. In a task of sightline.aio the warning waits until the task goes on."""
     calls = scope.get()
@@ -35,7 +39,7 @@ def give(calls: CallScope) -> None:
 
 def _own_frames() -> int:
     """How many of the callers' frames, from the caller of this one's on, belong to the package."""
-    count, frame = 0, sys._getframe(2)
+    count, frame = 0, sys._getframe(1).f_back
     while frame is not None and os.path.abspath(frame.f_code.co_filename).startswith(_PACKAGE):
         count, frame = count + 1, frame.f_back
     return count

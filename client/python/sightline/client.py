@@ -3,22 +3,29 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Dict, Iterator, List, Optional, Tuple, Union
+from typing import Any, Iterator, List, Optional
 
 import numpy as np
 
-from . import _proto, errors
+from . import _backup, _import_file, _proto, errors, updates
 from ._connection import DEFAULT_ENDPOINT, Connection
 from ._lattice import Lattice
+from ._programs import find_program
+from ._session import Session
+from ._types import Path, Progress
+from .backup_scene import BackupScene
 from .batch import apply
+from .log_lines import LogLines
 from .meshes import as_mesh, upload
 from .nodes import translation
-from .scene import Scene, SceneInfo
+from .restored_scene import RestoredScene
+from .scene import Scene
+from .scene_info import SceneInfo
+from .server_info import ServerInfo
 from .shared_memory import SharedMemory, Transport
 from .updates import put_node
 
 _UP = {None: 0, "y": 1, "z": 2}
-Path = Union[str, "os.PathLike[str]"]
 
 
 def connect(endpoint: Optional[str] = None, *, tls_ca: Optional[Path] = None, tls_cert: Optional[Path] = None,
@@ -30,8 +37,8 @@ def connect(endpoint: Optional[str] = None, *, tls_ca: Optional[Path] = None, tl
     tls_ca, tls_cert, tls_key: PEM files. With tls_ca the connection is encrypted, and the server needs a certificate of
     its name that one of these has signed; the others are this client's own. token, or the content of token_file, or
     SIGHTLINE_TOKEN, goes with every call. timeout: seconds for each call; None: one minute for calls that send neither
-    rays nor meshes, no limit for others. use_segments: whether rays and answers of large casts go through memory that this
-    client and a server on the same machine share, where it offers that; Client.transport tells.
+    rays nor meshes, no limit for others. use_segments: whether rays and answers of large casts go through memory that
+    this client and a server on the same machine share, where it offers that; Client.transport tells.
 
     The first call makes the connection, and a later one reconnects if it broke. Errors: ValueError, an endpoint of
     another form or a bad token; OSError, a file that cannot be read; Unauthenticated, a token that would be sent to
@@ -47,6 +54,10 @@ def resource_name(name: str, project: str = "default") -> str:
     return name if "/" in name else f"projects/{project}/scenes/{name}"
 
 
+def _name_or_all(scene: Optional[str]) -> str:
+    return "" if scene is None else resource_name(scene)
+
+
 def _new_scene(name: str, up_axis: Optional[str], meters_per_unit: float) -> Any:
     """A message Scene for one to be made."""
     if up_axis not in _UP:
@@ -60,9 +71,7 @@ class Client:
 
     def __init__(self, connection: Connection):
         self._connection = connection
-        self._limits: Optional[Any] = None
-        self._lattices: "Dict[str, Lattice]" = {}  # the lattices of scenes, by name
-        self._diagonals: "Dict[str, Tuple[str, float]]" = {}  # and the revision's token, of scenes by name
+        self._session = Session(connection)
 
     def __enter__(self) -> "Client":
         return self
@@ -82,52 +91,51 @@ class Client:
         """Ends the connection and all calls."""
         self._connection.close()
 
-    def server_info(self) -> Any:
-        """What the server says of itself: version, features, limits (a message GetServerInfoResponse)."""
-        return self._connection.call("GetServerInfo", _proto.GetServerInfoRequest())
+    def server_info(self) -> ServerInfo:
+        """What the server says of itself: version, features, limits, memory."""
+        return ServerInfo.of(self._connection.call("GetServerInfo", _proto.GetServerInfoRequest()))
+
+    def read_log(self, after: int = 0) -> LogLines:
+        """The end of the server's log, which it keeps in memory; after: the number of a line, for only later ones.
+        Errors: PermissionDenied, unless the token is of an administrator of all scenes."""
+        answer = self._connection.call("ReadLog", _proto.ReadLogRequest(after=after))
+        return LogLines(answer.first, tuple(answer.lines))
 
     @property
     def transport(self) -> Transport:
-        """How large casts go to the server, as far as is known: that is found by the first cast of 8,192 rays or more, or
-        by share_memory(). Answers are the same either way: what does not work through shared memory is sent in messages,
-        and tried again later."""
+        """How large casts go to the server, as far as is known: that is found by the first cast of 8,192 rays or more,
+        or by share_memory(). Answers are the same either way: what does not work through shared memory is sent in
+        messages, and tried again later."""
         return self._connection.segments.transport()
 
     def share_memory(self, size: int) -> SharedMemory:
-        """Memory of at least `size` bytes for the columns of casts, which are then not copied; see SharedMemory. Where the
-        server offers none it is ordinary memory, and says so. The server counts it as memory that it holds, until the last
-        array and the SharedMemory are gone. Errors: ValueError, size is not above 0; ResourceExhausted, there is not as
-        much memory."""
+        """Memory of at least `size` bytes for the columns of casts, which are then not copied; see SharedMemory. Where
+        the server offers none it is ordinary memory, and says so. The server counts it as memory that it holds, until
+        the last array and the SharedMemory are gone. Errors: ValueError, size is not above 0; ResourceExhausted, there
+        is not as much memory."""
         if size <= 0:
             raise ValueError(f"size is above 0, not {size}")
         return SharedMemory(self._connection.segments.share(size))
 
     def max_rays_per_request(self) -> int:
         """A limit of the server, which is asked once."""
-        if self._limits is None:
-            self._limits = self.server_info()
-        return self._limits.max_rays_per_request
+        return self._session.max_rays_per_request()
 
     def scene(self, name: str) -> Scene:
         """A scene by its id in project "default", or its full name. Makes no call: an unknown scene is NotFound when
         it is first used."""
-        return Scene(self, resource_name(name))
+        return Scene(self._session, resource_name(name))
 
     def create_scene(self, name: str, *, up_axis: Optional[str] = None, meters_per_unit: float = 0) -> Scene:
         """A new, empty scene. up_axis "y" or "z" and meters_per_unit are recorded. Errors: AlreadyExists."""
         scene = _new_scene(name, up_axis, meters_per_unit)
         self._connection.call("CreateScene", _proto.CreateSceneRequest(scene=scene), scene=scene.name)
-        self._lattices.pop(scene.name, None)
-        return Scene(self, scene.name)
+        self._session.begin_scene(scene.name)
+        return Scene(self._session, scene.name)
 
     def delete_scene(self, name: str) -> None:
         """Errors: NotFound."""
-        self._connection.call("DeleteScene", _proto.DeleteSceneRequest(name=resource_name(name)))
-        self._lattices.pop(resource_name(name), None)
-
-    def _lattice(self, name: str) -> Lattice:
-        """The lattice of a scene by its full name, for what this client adds to it."""
-        return self._lattices.setdefault(name, Lattice())
+        self._session.delete_scene(resource_name(name))
 
     def scenes(self, project: str = "default") -> List[SceneInfo]:
         """The scenes of a project, by name."""
@@ -147,27 +155,70 @@ class Client:
 
     def import_arrays(self, name: str, vertices: Any, faces: Any, *, origin: Any = (0.0, 0.0, 0.0),
                       replace: bool = False, up_axis: Optional[str] = None, meters_per_unit: float = 0,
-                      mobility: Optional[str] = None) -> Scene:
-        """A scene of one mesh. vertices: real (v, 3), kept as float32, about a point near them if `origin` (3) is one, as
-        Scene.add does; faces: integers (f, 3).
+                      mobility: Optional[str] = None, progress: Progress = False) -> Scene:
+        """A scene of one mesh. vertices: real (v, 3), kept as float32, about a point near them if `origin` (3) is one,
+        as Scene.add does; faces: integers (f, 3).
 
-        Either the whole scene is made or none. `replace`: in the place of one of this name, in one step where the server
-        has PutScene; else the old scene is deleted before. Errors: ValueError, TypeError (not a mesh), AlreadyExists,
-        ResourceExhausted (too large).
+        Either the whole scene is made or none. `replace`: in the place of one of this name, in one step where the
+        server has PutScene; else the old scene is deleted before. progress: of the bytes of the mesh. Errors:
+        ValueError, TypeError (not a mesh), AlreadyExists, ResourceExhausted (too large).
         """
         made = _new_scene(name, up_axis, meters_per_unit)
         lattice = Lattice()
         mesh = as_mesh((vertices, faces), lattice if np.any(origin) else None)
         if not replace and self._exists(made.name):
             raise errors.AlreadyExists(f"scene {made.name} exists", "SCENE_EXISTS")
-        digest = upload(self._connection, mesh)
+        digest = upload(self._connection, mesh, progress=progress)
         nodes = [put_node(-1, 0, "mesh", None, digest if mesh.placement is None else "", mobility, None)]
         if mesh.placement is not None:
             nodes.append(put_node(-2, -1, "mesh", translation(mesh.placement.origin), digest, mobility, None))
-        if not self._put_scene(made, [node.put_node for node in nodes], replace):
+        if not self._put_scene(made, [updates.encode(node).put_node for node in nodes], replace):
             self._import_in_steps(made, nodes, replace)
-        self._lattices[made.name] = lattice
-        return Scene(self, made.name)
+        self._session.begin_scene(made.name, lattice)
+        return Scene(self._session, made.name)
+
+    def import_file(self, name: str, path: Path, *, replace: bool = False, allow_empty: bool = False,
+                    up_axis: Optional[str] = None, meters_per_unit: Optional[float] = None, mobility: Optional[str] = None,
+                    timeout: Optional[float] = None, program: Optional[str] = None) -> Scene:
+        """A scene of a file: glTF 2.0 (.gltf, .glb), OBJ, PLY, STL, Collada (.dae), IFC2X3 (.ifc), AC3D (.ac) or FBX.
+
+        The command `sightline` imports it: a process of it reads the file, which sees no file outside the file's folder
+        and no network, and has limits on memory and time, so that the file may come from a stranger. Everything is read
+        before anything is sent, and the scene appears in one step. `replace`: in the place of one of this name.
+        allow_empty: also if no ray can hit anything. up_axis, meters_per_unit: where the file says otherwise the scene
+        is turned or scaled to them. mobility: of all nodes. timeout: seconds for each call. program: the path of
+        sightline; default: SIGHTLINE, else the one in PATH. Errors: FileNotFoundError, there is no such program or
+        file; InvalidArgument, the file cannot be read; ValueError, a word that the command does not know;
+        AlreadyExists, ResourceExhausted. Warnings: FileWarning, what was left out or changed.
+        """
+        made = _new_scene(name, up_axis, meters_per_unit or 0)
+        if mobility is not None:
+            updates.check_mobility(mobility)
+        scene = str(made.name)
+        _import_file.import_file(self._connection, find_program("sightline", program, "SIGHTLINE"), scene, path,
+                                 replace=replace, allow_empty=allow_empty, up_axis=up_axis, meters_per_unit=meters_per_unit,
+                                 mobility=mobility, timeout=timeout)
+        self._session.begin_scene(scene)
+        return Scene(self._session, scene)
+
+    def backup(self, directory: Path, scene: Optional[str] = None, *, timeout: Optional[float] = None,
+               progress: Progress = False) -> "List[BackupScene]":
+        """Copies the server's scenes, or one, to a directory of this machine that is empty or missing, each as it is
+        when its turn comes; writers go on. The command restores it, too. progress: of bytes. Errors:
+        FailedPrecondition, the directory is not empty (BACKUP_NOT_EMPTY), or the server keeps scenes in memory only;
+        NotFound; OSError."""
+        return _backup.backup(self._connection, directory, _name_or_all(scene), timeout, progress)
+
+    def restore(self, directory: Path, scene: Optional[str] = None, *, revision: Optional[int] = None,
+                timeout: Optional[float] = None, progress: Progress = False) -> "List[RestoredScene]":
+        """Puts the scenes of a backup, or one, in the place of those with the same names, or makes them. revision: that
+        of each restored scene; default: the newest. After an error some may be restored. Errors: DataLoss, the backup
+        is not whole; OutOfRange, it does not have the revision; NotFound, nor the scene; FailedPrecondition, the server
+        keeps scenes in memory only; OSError."""
+        restored = _backup.restore(self._connection, directory, _name_or_all(scene), revision, timeout, progress)
+        for one in restored:
+            self._session.begin_scene(one.name)
+        return restored
 
     def _put_scene(self, scene: Any, nodes: "List[Any]", replace: bool) -> bool:
         """Makes the scene in one step. False: the server does not have the call."""
@@ -180,7 +231,7 @@ class Client:
             return False
         return True
 
-    def _import_in_steps(self, scene: Any, nodes: "List[Any]", replace: bool) -> None:
+    def _import_in_steps(self, scene: Any, nodes: "List[updates.PutNode]", replace: bool) -> None:
         if replace and self._exists(scene.name):
             self.delete_scene(scene.name)
         self._connection.call("CreateScene", _proto.CreateSceneRequest(scene=scene), scene=scene.name)

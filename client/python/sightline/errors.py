@@ -1,9 +1,9 @@
 """One exception class for each gRPC status.
 
 Each is a SightlineError, with `.message` for people, `.reason` for programs (as listed in docs/wire.md; empty where the
-error is not the server's), `.metadata` of the reason, and `.code`, the status. Some are also the built-in exception that
-says the same: InvalidArgument is a ValueError, NotFound a LookupError, DeadlineExceeded a TimeoutError, Unavailable a
-ConnectionError, PermissionDenied a PermissionError.
+error is not the server's), `.metadata` of the reason, and `.code`, the status. Some are also the built-in exception
+that says the same: InvalidArgument is a ValueError, NotFound a LookupError, DeadlineExceeded a TimeoutError,
+Unavailable a ConnectionError, PermissionDenied a PermissionError.
 """
 
 from __future__ import annotations
@@ -139,6 +139,14 @@ def of_code(number: int, message: str, reason: str = "") -> SightlineError:
     """The error with the number of a status."""
     for code, cls in _CLASSES.items():
         if code.value[0] == number:
+            return cls(message, reason)
+    return Unknown(message, reason)
+
+
+def of_name(name: str, message: str, reason: str = "") -> SightlineError:
+    """The error with the name of a status, such as NOT_FOUND."""
+    for code, cls in _CLASSES.items():
+        if code.name == name:
             return cls(message, reason)
     return Unknown(message, reason)
 

@@ -3,12 +3,24 @@
 from __future__ import annotations
 
 import contextlib
-from typing import TYPE_CHECKING, Any, Dict, List, Tuple
+from typing import Any, ContextManager, Dict, List, Optional, Protocol, Tuple
 
+from ._lattice import Placement
+from .batch import Batch
 from .nodes import Node, translation
 
-if TYPE_CHECKING:
-    from .scene import Scene
+
+class Growing(Protocol):
+    """What a hierarchy needs of the scene that it is put into."""
+
+    _batch: Optional[Batch]
+
+    def batch(self, expected_revision: Optional[int] = None) -> Batch: ...
+
+    def put(self, digest: str, *, name: str = "", parent: Any = 0, transform: Any = None, origin: Any = (0.0, 0.0, 0.0),
+            mobility: Optional[str] = None, mask: Optional[int] = None) -> Node: ...
+
+    def _upload(self, mesh: Any) -> "Tuple[str, Optional[Placement]]": ...
 
 
 def is_hierarchy(source: Any) -> bool:
@@ -16,13 +28,15 @@ def is_hierarchy(source: Any) -> bool:
     return hasattr(source, "graph") and hasattr(source, "geometry")
 
 
-def add_hierarchy(scene: "Scene", source: Any, *, mobility: Any, mask: Any, **root: Any) -> Node:
+def add_hierarchy(scene: Growing, source: Any, *, mobility: Any, mask: Any, **root: Any) -> Node:
     """Puts the nodes of `source` under a new node, and returns that. Geometry without faces is left out."""
     meshes = {name: scene._upload(mesh) for name, mesh in source.geometry.items() if len(getattr(mesh, "faces", ()))}
     children: "Dict[str, List[Tuple[str, Any]]]" = {}
     for parent, child, edge in source.graph.to_edgelist():
         children.setdefault(parent, []).append((child, edge))
-    batch: Any = scene.batch() if scene._batch is None else contextlib.nullcontext()
+    batch: "ContextManager[Any]" = contextlib.nullcontext()
+    if scene._batch is None:
+        batch = scene.batch()
     with batch:
         top = scene.put("", mobility=mobility, mask=mask, **root)
         waiting = [(source.graph.base_frame, top)]

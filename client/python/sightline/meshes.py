@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import hashlib
 import struct
-from typing import Any, Iterator, Optional, Tuple
+from typing import Any, Callable, Iterator, Optional, Tuple
 
 import numpy as np
 
 from . import _proto, errors
 from ._connection import Connection
 from ._lattice import Lattice, Placement
+from ._progress import Amount
 from ._retries import Retries, sleep
+from ._types import Array, Floats, Progress, UInt32s
 from ._warnings import PrecisionWarning, warn
 
 _CHUNK = 1 << 20  # bytes of an upload in one message
@@ -21,10 +23,10 @@ _LOSS = 1e-4  # share of the mesh's size that rounding vertices to float32 may c
 
 
 class Mesh:
-    """vertices: float32 (v, 3), in the mesh's frame; faces: uint32 (f, 3); placement: how that frame lies in the one that
-    the vertices were given in, None: it is the same."""
+    """vertices: float32 (v, 3), in the mesh's frame; faces: uint32 (f, 3); placement: how that frame lies in the one
+    that the vertices were given in, None: it is the same."""
 
-    def __init__(self, vertices: np.ndarray, faces: np.ndarray, placement: Optional[Placement] = None):
+    def __init__(self, vertices: Floats, faces: UInt32s, placement: Optional[Placement] = None):
         self.vertices, self.faces, self.placement = vertices, faces, placement
 
     def parts(self, copy_number: int = 0) -> "Tuple[memoryview, ...]":
@@ -63,7 +65,7 @@ def as_mesh(mesh: Any, lattice: Optional[Lattice] = None) -> Mesh:
     return Mesh(placement.residuals(vertices), faces, placement)
 
 
-def _vertices(value: Any) -> np.ndarray:
+def _vertices(value: Any) -> Array:
     array = np.asarray(value)
     if array.dtype.kind not in "fiu":
         raise TypeError(f"vertices: real numbers are needed, not {array.dtype}")
@@ -72,7 +74,7 @@ def _vertices(value: Any) -> np.ndarray:
     return array
 
 
-def _as_floats(array: np.ndarray) -> np.ndarray:
+def _as_floats(array: Array) -> Array:
     with np.errstate(over="ignore", invalid="ignore"):
         rounded = np.ascontiguousarray(array, "<f4")
         if array.dtype.itemsize > 4 and len(array):
@@ -80,7 +82,7 @@ def _as_floats(array: np.ndarray) -> np.ndarray:
     return rounded
 
 
-def _warn_of_loss(exact: np.ndarray, rounded: np.ndarray) -> None:
+def _warn_of_loss(exact: Array, rounded: Array) -> None:
     finite = np.isfinite(exact).all(axis=1)
     if not finite.any():
         return
@@ -91,7 +93,7 @@ def _warn_of_loss(exact: np.ndarray, rounded: np.ndarray) -> None:
              "a point near them", PrecisionWarning)
 
 
-def _faces(value: Any) -> np.ndarray:
+def _faces(value: Any) -> Array:
     array = np.asarray(value)
     if array.size == 0:
         return np.zeros((0, 3), "<u4")
@@ -104,16 +106,20 @@ def _faces(value: Any) -> np.ndarray:
     return np.ascontiguousarray(array, "<u4")
 
 
-def upload(connection: Connection, mesh: Mesh, timeout: Optional[float] = None) -> str:
-    """Sends a mesh that the server does not have, resuming where an attempt stopped. Returns its digest."""
+def upload(connection: Connection, mesh: Mesh, timeout: Optional[float] = None, progress: Progress = False) -> str:
+    """Sends a mesh that the server does not have, resuming where an attempt stopped. Returns its digest. progress: of
+    bytes."""
     digest = mesh.digest()
     missing = connection.call("FindMissingBlobs", _proto.FindMissingBlobsRequest(digests=[digest]), timeout)
     failures, retries = 0, Retries()
+    size = sum(map(len, mesh.parts()))
     while missing.digests:
         try:
             status = connection.call("GetUploadStatus", _proto.GetUploadStatusRequest(digest=digest), timeout)
             if not status.complete:
-                connection.call("UploadBlob", _chunks(mesh, digest, status.committed_size), timeout, light=False)
+                with Amount(progress, "B") as amount:
+                    chunks = _chunks(mesh, digest, status.committed_size, lambda sent: amount.report(sent, size))
+                    connection.call("UploadBlob", chunks, timeout, light=False)
             break
         except (errors.Unavailable, errors.Aborted, errors.OutOfRange):
             failures += 1
@@ -126,7 +132,7 @@ def upload(connection: Connection, mesh: Mesh, timeout: Optional[float] = None) 
     return digest
 
 
-def _chunks(mesh: Mesh, digest: str, offset: int) -> "Iterator[Any]":
+def _chunks(mesh: Mesh, digest: str, offset: int, report: "Callable[[int], None]") -> "Iterator[Any]":
     """The rest of an upload from a byte on."""
     size = sum(map(len, mesh.parts()))
     begin = 0
@@ -135,6 +141,7 @@ def _chunks(mesh: Mesh, digest: str, offset: int) -> "Iterator[Any]":
             data = bytes(part[at:at + _CHUNK])
             yield _proto.UploadBlobRequest(digest=digest, offset=begin + at, data=data,
                                            finish=begin + at + len(data) == size)
+            report(begin + at + len(data))
         begin += len(part)
     if offset == size:
         yield _proto.UploadBlobRequest(digest=digest, offset=size, finish=True)

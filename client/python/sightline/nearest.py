@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ._answer import INVALID, UNANSWERED
 from ._sides import FIELDS
-from .hits import INVALID, UNANSWERED, AllHits, Hits
+from ._types import Array, Bools, Bytes, Doubles
+from .hits import Hits
 
 
 class Nearest(Hits):
@@ -15,41 +17,41 @@ class Nearest(Hits):
     _T, _ROW = "distance", "point"
 
     @property
-    def distance(self) -> np.ndarray:
+    def distance(self) -> Doubles:
         """float64, to the nearest face in the scene's units, rounded once; +inf where none is within max_distance, an
         invalid point NaN, an unanswered one -inf."""
         return self.t
 
     @property
-    def position(self) -> np.ndarray:
+    def position(self) -> Doubles:
         """float64 (..., 3): the point of the face that is nearest; NaN where there is no face."""
         return self._shaped(self._column("position"))
 
     @property
-    def signed(self) -> np.ndarray:
-        """float64: the distance, negative inside; 0 has no sign; +inf where no face is within max_distance (`inside` tells
-        the side there, too), an invalid point NaN, an unanswered one -inf."""
+    def signed(self) -> Doubles:
+        """float64: the distance, negative inside; 0 has no sign; +inf where no face is within max_distance (`inside`
+        tells the side there, too), an invalid point NaN, an unanswered one -inf."""
         return self._shaped(self._column("signed"))
 
     @property
-    def inside(self) -> np.ndarray:
-        """bool: whether the point is inside, whatever max_distance is; an invalid or unanswered one is not, and `invalid`
-        and `unanswered` name it."""
+    def inside(self) -> Bools:
+        """bool: whether the point is inside, whatever max_distance is; an invalid or unanswered one is not, and
+        `invalid` and `unanswered` name it."""
         return self._shaped(self._column("inside") == 1)
 
     @property
-    def votes(self) -> np.ndarray:
+    def votes(self) -> Bytes:
         """uint8: of side_rays, those that say inside. Neither 0 nor all of them: the surface has a hole there."""
         return self._shaped(self._column("votes"))
 
     @property
-    def hit(self) -> np.ndarray:
+    def hit(self) -> Bools:
         """bool: whether a face is within max_distance."""
         if not self._tells_hits():
             raise AttributeError("hit was not asked for: name it in fields beside inside and votes")
         return super().hit
 
-    def _status(self) -> np.ndarray:
+    def _status(self) -> Array:
         if "hit" not in self._columns and "signed" in self._columns:
             return self._status_of(self._columns["signed"])
         if not self._tells_hits():
@@ -59,25 +61,3 @@ class Nearest(Hits):
 
     def _tells_hits(self) -> bool:
         return "signed" in self._columns or not set(self._columns) <= set(FIELDS)
-
-
-class AllNearest(AllHits):
-    """Every face, of kind "all": a row for each, in the order of the flattened points, then by (distance, node,
-    primitive). As AllHits, whose rays are the points."""
-
-    _T, _ROW = "distance", "point"
-
-    @property
-    def distance(self) -> np.ndarray:
-        """float64, for each face: how far it is from its point."""
-        return self.t
-
-    @property
-    def point(self) -> np.ndarray:
-        """int64, for each face: the index of its flattened point."""
-        return self.ray
-
-    @property
-    def position(self) -> np.ndarray:
-        """float64 (m, 3), for each face: its point that is nearest."""
-        return self._column("position")

@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Iterable, List, Optional
+from typing import Any, Iterable, List, Optional, Protocol
 
 import numpy as np
 
 from . import updates
 from ._lattice import Placement
+from ._types import Doubles
 
-if TYPE_CHECKING:
-    from .scene import Scene
+
+class Changeable(Protocol):
+    """What a node needs of its scene."""
+
+    name: str
+
+    def add(self, mesh: Any = None, *, name: str = "", parent: Any = 0, transform: Any = None,
+            origin: Any = (0.0, 0.0, 0.0), mobility: Optional[str] = None, mask: Optional[int] = None) -> "Node": ...
+
+    def set_transforms(self, nodes: "Iterable[Any]", transforms: Any) -> None: ...
+
+    def patch_vertices(self, nodes: "Iterable[Any]", vertices: Any, first: int = 0) -> None: ...
+
+    def delete_node(self, node: Any, subtree: bool = False) -> None: ...
 
 
 class Node:
@@ -19,7 +32,7 @@ class Node:
     Within `with scene.batch():` a new node has no id yet, but may be used as parent.
     """
 
-    def __init__(self, scene: "Scene", number: int):
+    def __init__(self, scene: Changeable, number: int):
         self.scene = scene
         self.number = number  #: the id, or a negative alias within a batch
         self._placed: Optional[Node] = None  # below this one, with its mesh
@@ -39,7 +52,7 @@ class Node:
         return self._placed or self
 
     @property
-    def origin(self) -> np.ndarray:
+    def origin(self) -> Doubles:
         """float64 (3): the point that its mesh is kept about; 0 unless it was added with `origin` and lies far out."""
         return np.zeros(3) if self._placement is None else self._placement.origin.copy()
 
@@ -49,9 +62,11 @@ class Node:
     def __repr__(self) -> str:
         return f"<node {self.number} of {self.scene.name}>"
 
-    def add(self, mesh: Any = None, **options: Any) -> "Node":
+    def add(self, mesh: Any = None, *, name: str = "", transform: Any = None, origin: Any = (0.0, 0.0, 0.0),
+            mobility: Optional[str] = None, mask: Optional[int] = None) -> "Node":
         """A node under this one; the options of Scene.add."""
-        return self.scene.add(mesh, parent=self, **options)
+        return self.scene.add(mesh, name=name, parent=self, transform=transform, origin=origin, mobility=mobility,
+                              mask=mask)
 
     def set_transform(self, transform: Any) -> None:
         """Moves it: (3, 4) or (4, 4), parent from local, where local is what the mesh's vertices were given in."""
@@ -71,15 +86,15 @@ class Node:
         return self._placed
 
 
-def translation(offset: Any) -> np.ndarray:
+def translation(offset: Any) -> Doubles:
     """A transform (3, 4)."""
     matrix = np.eye(3, 4)
     matrix[:, 3] = offset
     return matrix
 
 
-def patches(nodes: "Iterable[Any]", first: int, vertices: Any) -> "List[Any]":
-    """Messages that move vertices of the one mesh of nodes. They are in what the mesh's vertices were given in if the
+def patches(nodes: "Iterable[Any]", first: int, vertices: Any) -> "List[updates.PatchVertices]":
+    """Changes that move vertices of the one mesh of nodes. They are in what the mesh's vertices were given in if the
     nodes are Node objects; of ids, in the mesh's own frame. ValueError: their meshes are kept about several points."""
     given = list(nodes)
     placements = {node._placement if isinstance(node, Node) else None for node in given}

@@ -12,16 +12,17 @@ import numpy as np
 from ._meshes_of import OwnScene
 from ._pinhole import intrinsic_rays, look_at
 from ._sides import check_rays
+from ._types import Array
 from .client import Client
 from .hits import Hits
 
 _INVALID_ID = 0xFFFFFFFF
 
 
-class Tensor(np.ndarray):
+class Tensor(np.ndarray):  # type: ignore[type-arg]
     """An array with the methods of a tensor that give an array."""
 
-    def numpy(self) -> np.ndarray:
+    def numpy(self) -> Array:
         return self.view(np.ndarray)
 
     def cpu(self) -> "Tensor":
@@ -108,9 +109,9 @@ class RaycastingScene:
             return _wrapper(query_points)(near.distance.astype(np.float32))
 
     def compute_signed_distance(self, query_points: Any, nthreads: int = 0, nsamples: int = 1) -> Any:
-        """float32 (...): the distance of points (..., 3) from the surface, negative inside the closed meshes; +inf where
-        there is no surface, NaN of a point that is not finite. nsamples, odd, at most 63: of so many rays the majority
-        tells the inside, which helps where meshes have holes. Errors: ValueError, another number of them."""
+        """float32 (...): the distance of points (..., 3) from the surface, negative inside the closed meshes; +inf
+        where there is no surface, NaN of a point that is not finite. nsamples, odd, at most 63: of so many rays the
+        majority tells the inside, which helps where meshes have holes. Errors: ValueError, another number of them."""
         near = self._own.scene.closest(_array(query_points), fields=("signed",), side_rays=check_rays(nsamples, "nsamples"))
         with np.errstate(over="ignore"):
             return _wrapper(query_points)(near.signed.astype(np.float32))
@@ -121,18 +122,18 @@ class RaycastingScene:
         inside = self._own.scene.contains(_array(query_points), side_rays=check_rays(nsamples, "nsamples"))
         return _wrapper(query_points)(inside.astype(np.float32))
 
-    def _geometry(self, node: np.ndarray) -> np.ndarray:
+    def _geometry(self, node: Array) -> Array:
         """Geometry ids of nodes."""
         known = np.array(self._nodes, np.uint64)
         return np.where(node == 0, _INVALID_ID, np.searchsorted(known, node)).astype(np.uint32)
 
 
-def _or_invalid(hits: Hits) -> np.ndarray:
+def _or_invalid(hits: Hits) -> Array:
     """uint32, faces of hits, INVALID_ID for none."""
     return np.where(hits.hit, hits.primitive, np.uint32(_INVALID_ID))
 
 
-def _distances(t: np.ndarray) -> np.ndarray:
+def _distances(t: Array) -> Array:
     """float32, with +inf for rays that cannot be cast, too."""
     return np.where(np.isnan(t), np.inf, t).astype(np.float32)
 
@@ -156,7 +157,7 @@ def _array(value: Any) -> Any:
     return value.cpu().numpy() if _is_tensor(value) or isinstance(value, Tensor) else value
 
 
-def _wrapper(*arguments: Any) -> "Callable[[np.ndarray], Union[Tensor, Any]]":
+def _wrapper(*arguments: Any) -> "Callable[[Array], Union[Tensor, Any]]":
     """What answers are given as."""
     for value in arguments:
         if _is_tensor(value) and hasattr(type(value), "from_numpy"):

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import os
 import pathlib
 import struct
 import zlib
-from typing import TYPE_CHECKING, Any, Iterable, Optional, Tuple
+from typing import Any, Callable, Tuple
 
 import numpy as np
 
-from . import _caster, _proto, _query
+from ._query import GEOMETRY
+from ._types import Bytes, Doubles, Path, Words
 from .hits import Hits
-
-if TYPE_CHECKING:
-    from .scene import Scene
+from .pinhole import Pinhole
+from .scene_info import SceneInfo
 
 _FROM = {"y": (1.0, 0.7, 0.8), "z": (0.8, -1.0, 0.7)}  # where the default eye is, seen from the middle
 _UP = {"y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -26,7 +25,7 @@ _DARKEST = 0.35  # brightness of a surface seen edge-on
 class Picture:
     """pixels: uint8 (height, width, 3). hits: the Hits of its rays, of shape (height, width)."""
 
-    def __init__(self, pixels: np.ndarray, hits: Hits):
+    def __init__(self, pixels: Bytes, hits: Hits):
         self.pixels, self.hits = pixels, hits
 
     def png(self) -> bytes:
@@ -40,7 +39,7 @@ class Picture:
 
     _repr_png_ = png
 
-    def save(self, file: "str | os.PathLike[str]") -> None:
+    def save(self, file: Path) -> None:
         """Writes a file, whose name ends in .png."""
         path = pathlib.Path(file)
         if path.suffix.lower() != ".png":
@@ -52,51 +51,33 @@ def _chunk(kind: bytes, data: bytes) -> bytes:
     return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
 
-def _unit(vector: Any, name: str) -> np.ndarray:
-    array = np.asarray(vector, "f8")
-    length = np.linalg.norm(array)
-    if array.shape != (3,) or not np.isfinite(length) or length == 0:
-        raise ValueError(f"{name} cannot be {vector}")
-    return array / length
-
-
-def _default_view(info: Any, tangents: "Tuple[float, float]") -> "Tuple[np.ndarray, np.ndarray]":
+def _default_view(info: SceneInfo, tangents: "Tuple[float, float]") -> "Tuple[Doubles, Doubles]":
     """Eye and target so that the sphere around the scene's box is inside the picture."""
-    low, high = info.bounds if info.bounds is not None else (np.full(3, -1.0), np.full(3, 1.0))
+    low, high = np.array([[-1.0] * 3, [1.0] * 3]) if info.bounds is None else info.bounds
     radius = np.linalg.norm(high - low) / 2 or 1.0
     sine = min(np.sin(np.arctan(t)) for t in tangents)
-    middle = (low + high) / 2
-    return middle + _unit(_FROM[info.up_axis or "y"], "eye") * radius / sine * _MARGIN, middle
+    middle, direction = (low + high) / 2, np.array(_FROM[info.up_axis or "y"])
+    return middle + direction / np.linalg.norm(direction) * radius / sine * _MARGIN, middle
 
 
-def render(scene: "Scene", size: Any, eye: Any = None, at: Any = None, up: Any = None, fov: float = 40.0,
-           fields: Iterable[str] = (), at_least: Optional[str] = None, revision: Optional[int] = None, timeout: Optional[float] = None) -> Picture:
+def render(info: SceneInfo, cast: "Callable[..., Any]", size: Any, eye: Any, at: Any, up: Any, fov: float, fields: Words,
+           **options: Any) -> Picture:
     """See Scene.render."""
     width, height = (int(n) for n in size)
     if width < 1 or height < 1 or not 0 < fov < 180:
         raise ValueError("a picture has at least one pixel, and fov is between 0 and 180 degrees")
-    info = scene.info()
     half = np.tan(np.radians(fov) / 2)
-    half_width = half * width / height
-    default_eye, default_at = _default_view(info, (half, half_width))
+    default_eye, default_at = _default_view(info, (half, half * width / height))
     target = default_at if at is None else np.asarray(at, "f8")
     origin = default_eye - default_at + target if eye is None else np.asarray(eye, "f8")
-    forward = _unit(target - origin, "at - eye")
-    upward = _unit(_UP[info.up_axis or "y"] if up is None else up, "up")
-    if np.linalg.norm(np.cross(forward, upward)) < 1e-6:
-        upward = np.roll(upward, 1)
-    right = _unit(np.cross(forward, upward), "up")
-    upward = np.cross(right, forward)
-    pinhole = _proto.Pinhole(eye=origin, corner=forward + upward * half - right * half_width,
-                             across=2 * half_width * right, down=-2 * half * upward, width=width, height=height)
-    query = _query.describe(_query.RAYS, scene.name, "closest", (*_query.GEOMETRY, *fields), None, None, 0, (), 0, at_least,
-                            revision)
-    hits = _caster.cast_generated(scene._connection, query, _proto.RayGenerator(pinhole=pinhole), (height, width),
-                                  timeout, scene._names)
-    return Picture(_shade(hits, forward), hits)
+    camera = Pinhole.looking_at(origin, target, _UP[info.up_axis or "y"] if up is None else up, width, height, fov)
+    named = [fields] if isinstance(fields, str) else list(fields)
+    hits = cast(camera, fields=(*GEOMETRY, *named), **options)
+    forward = target - origin
+    return Picture(_shade(hits, forward / np.linalg.norm(forward)), hits)
 
 
-def _shade(hits: Hits, forward: np.ndarray) -> np.ndarray:
+def _shade(hits: Hits, forward: Doubles) -> Bytes:
     """Each axis has a colour; what faces the eye is bright."""
     normal = hits.normal.astype("f8")
     facing = normal @ forward

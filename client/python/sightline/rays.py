@@ -7,6 +7,7 @@ from typing import Any, List, Optional, Tuple
 import numpy as np
 
 from ._arrays import Broadcast, Rows, bits, reals, triples
+from ._types import Array
 
 
 class Rays(Rows):
@@ -16,21 +17,26 @@ class Rays(Rows):
     None. The arrays may be views of the caller's, of any strides. origin_type: what the origins were given as.
     """
 
-    def __init__(self, shape: Tuple[int, ...], origins: np.ndarray, directions: np.ndarray,
-                 tmin: Optional[np.ndarray], tmax: Optional[np.ndarray], masks: Optional[np.ndarray],
-                 origin_type: Optional[np.dtype] = None):
+    def __init__(self, shape: Tuple[int, ...], origins: Array, directions: Array,
+                 tmin: Optional[Array], tmax: Optional[Array], masks: Optional[Array],
+                 origin_type: Optional[np.dtype[Any]] = None):
         super().__init__(shape, origins.dtype)
         self.origins, self.directions = origins, directions
         self.tmin, self.tmax, self.masks = tmin, tmax, masks
         self.origin_type = origin_type or origins.dtype
 
-    def from_t(self, rows: np.ndarray, tmin: np.ndarray) -> "Rays":
+    def from_t(self, rows: Array, tmin: Array) -> "Rays":
         """Some of the rays (m), in double, from another tmin (m) on."""
         bound = None if self.tmax is None else self.tmax[rows].astype("f8")
         return Rays((len(rows),), self.origins[rows].astype("f8"), self.directions[rows].astype("f8"),
                     tmin.astype("f8"), bound, None if self.masks is None else self.masks[rows])
 
-    def columns(self) -> "List[Optional[np.ndarray]]":
+    def some(self, rows: Array) -> "Rays":
+        """Those with these numbers (m)."""
+        tmin, tmax, masks = (None if column is None else column[rows] for column in (self.tmin, self.tmax, self.masks))
+        return Rays((len(rows),), self.origins[rows], self.directions[rows], tmin, tmax, masks, self.origin_type)
+
+    def columns(self) -> "List[Optional[Array]]":
         return [self.origins, self.directions, self.tmin, self.tmax, self.masks]
 
 
@@ -58,4 +64,5 @@ def as_rays(rays: Any = None, origins: Any = None, directions: Any = None, tmin:
     vectors = [triples(origins, "origins"), triples(directions, "directions")]
     bounds = [None if t is None else reals(t, name) for t, name in ((tmin, "tmin"), (tmax, "tmax"))]
     columns = Broadcast(vectors, bounds, bits(masks))
-    return Rays(columns.shape, *columns.vectors, *columns.numbers, columns.masks, vectors[0].dtype)
+    (begin, along), (first, last) = columns.vectors, columns.numbers
+    return Rays(columns.shape, begin, along, first, last, columns.masks, vectors[0].dtype)

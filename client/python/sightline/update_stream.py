@@ -23,11 +23,12 @@ class UpdateStream:
 
     Batches are numbered from 1; a stream continues where the last one of its producer in the scene ended, and replaces
     it if it is still open. Each send() is one batch and becomes one revision; with `latest_wins`, waiting batches of
-    transforms and vertices may become one. With `relaxed`, a batch is answered before it is on disk. After a broken call
-    the stream opens again and sends what was not answered. A rejected batch has no effect; flush() raises its error.
+    transforms and vertices may become one. With `relaxed`, a batch is answered before it is on disk. After a broken
+    call the stream opens again and sends what was not answered. A rejected batch has no effect; flush() raises its
+    error.
 
-    Leaving `with` closes the stream. Threads: any. Errors: NotFound, no such scene; Aborted, another stream took over the
-    producer; Unavailable, after some attempts.
+    Leaving `with` closes the stream. Threads: any. Errors: NotFound, no such scene; Aborted, another stream took over
+    the producer; Unavailable, after some attempts.
     """
 
     def __init__(self, connection: Connection, scene: str, producer: str, latest_wins: bool, relaxed: bool):
@@ -51,9 +52,9 @@ class UpdateStream:
         self._thread.start()
         self._wait(lambda: self._opened > 0, None)
 
-    def send(self, changes: "Iterable[Any]") -> int:
-        """One batch of messages Update (made by sightline.updates). Waits while the window is full. Returns its number."""
-        batch = list(changes)
+    def send(self, changes: "Iterable[updates.Update]") -> int:
+        """One batch of changes, of sightline.updates. Waits while the window is full. Returns its number."""
+        batch = list(map(updates.encode, changes))
         self._wait(lambda: len(self._batches) < self._window, None)
         with self._lock:
             if self._is_closing:

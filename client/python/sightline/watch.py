@@ -2,24 +2,15 @@
 
 from __future__ import annotations
 
-import dataclasses
 from typing import Iterator, List, Optional
 
 from . import _proto, errors, updates
 from ._connection import Connection
 from ._retries import Retries, sleep
+from .change import Change
 
 _ATTEMPTS = 6  # without a message between them
 _FIRST_PAUSE = 0.1  # seconds; doubled after each attempt
-
-
-@dataclasses.dataclass(frozen=True)
-class Change:
-    """A revision and what made it: PutNode, SetTransforms, DeleteNode, PatchVertices, in order."""
-
-    revision: int
-    token: str
-    updates: List[updates.Update]
 
 
 def watch(connection: Connection, scene: str, start: Optional[int]) -> "Iterator[Change]":

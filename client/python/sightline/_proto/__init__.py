@@ -13,9 +13,9 @@ _FOLDER = pathlib.Path(__file__).parent
 PACKAGE = "sightline.v1"
 
 version = (_FOLDER / "version.txt").read_text().strip()
-_files = descriptor_pb2.FileDescriptorSet.FromString((_FOLDER / "descriptors.binpb").read_bytes())
+files = descriptor_pb2.FileDescriptorSet.FromString((_FOLDER / "descriptors.binpb").read_bytes())
 _pool = descriptor_pool.DescriptorPool()
-for _file in _files.file:
+for _file in files.file:
     _pool.AddSerializedFile(_file.SerializeToString())
 
 if hasattr(message_factory, "GetMessageClass"):
@@ -46,7 +46,7 @@ def enum_value(name: str) -> int:
 
 def _methods() -> "dict[str, Method]":
     found = {}
-    for file in _files.file:
+    for file in files.file:
         for service in file.service:
             for method in service.method:
                 found[method.name] = Method(
@@ -55,7 +55,7 @@ def _methods() -> "dict[str, Method]":
     return found
 
 
-_enumerators = {value.name: value.number for file in _files.file if file.package == PACKAGE
+_enumerators: "dict[str, int]" = {value.name: value.number for file in files.file if file.package == PACKAGE
                 for enum in file.enum_type for value in enum.value}
 methods = _methods()
 

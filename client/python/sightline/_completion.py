@@ -1,7 +1,7 @@
 """All hits of rays that have more of them than one answer lists: the rays are cast again from behind what is known.
 
-Points have no bound that leaves out what is near. Those that have more faces than an answer lists by default are asked
-again, once, for as many as an answer can list.
+Points have no bound that leaves out what is near, and the rays of a generator have one for all. Those that have more
+faces or hits than an answer lists by default are asked again, once, for as many as an answer can list.
 """
 
 from __future__ import annotations
@@ -10,21 +10,23 @@ from typing import Callable, Dict, Optional
 
 import numpy as np
 
+from ._answer import CUT_OFF, UNANSWERED
 from ._query import MOST_LISTED, OF_HITS
+from ._types import Array
 from ._warnings import warn
-from .hits import CUT_OFF, UNANSWERED, AllHits
+from .all_hits import AllHits
 from .rays import Rays
 
-Columns = Dict[str, np.ndarray]
+Columns = Dict[str, Array]
 
 
 def complete(known: AllHits, rays: Rays, most: Optional[int], cast: "Callable[[Rays], AllHits]") -> None:
-    """Adds to `known` what it left out, up to `most` hits of a ray; None: all. cast() lists the nearest MOST_LISTED hits
-    of rays at the same revision, with the same columns, which include t.
+    """Adds to `known` what it left out, up to `most` hits of a ray; None: all. cast() lists the nearest MOST_LISTED
+    hits of rays at the same revision, with the same columns, which include t.
 
-    Hits come by (t, node, primitive), so that only those at a ray's last t may be cut in two: the ray is cast again from
-    that t on, and its answer takes the place of the hits at that t. Where more hits than an answer lists are at one t
-    nothing tells them apart; a warning then says how many rays miss some.
+    Hits come by (t, node, primitive), so that only those at a ray's last t may be cut in two: the ray is cast again
+    from that t on, and its answer takes the place of the hits at that t. Where more hits than an answer lists are at
+    one t nothing tells them apart; a warning then says how many rays miss some.
     """
     columns = known._columns
     ended, tied = np.zeros(rays.count, bool), np.zeros(rays.count, bool)
@@ -51,9 +53,10 @@ def complete(known: AllHits, rays: Rays, most: Optional[int], cast: "Callable[[R
     _count(known)
 
 
-def complete_points(known: AllHits, ask: "Callable[[np.ndarray], AllHits]") -> None:
-    """Adds to `known` what it left out. ask() lists the nearest MOST_LISTED faces of the points with these numbers, at
-    the same revision, with the same columns, which include t. A warning says how many points have more."""
+def complete_rows(known: AllHits, ask: "Callable[[Array], AllHits]", what: str) -> None:
+    """Adds to `known` what it left out. ask() lists the nearest MOST_LISTED hits of the rays, or faces of the points,
+    with these numbers, at the same revision, with the same columns, which include t. A warning says how many have more;
+    `what` they are."""
     columns = known._columns
     rows = np.flatnonzero(columns["hit"] == CUT_OFF)
     if not len(rows):
@@ -63,8 +66,8 @@ def complete_points(known: AllHits, ask: "Callable[[np.ndarray], AllHits]") -> N
     _replace(columns, rows, np.full(len(rows), -np.inf), more._columns)
     left_out = int((more._columns["hit"] == CUT_OFF).sum())
     if left_out:
-        warn(f"{left_out} points have more than {MOST_LISTED} faces within max_distance: the nearest are listed",
-             UserWarning)
+        found = "faces within max_distance" if what == "points" else "hits"
+        warn(f"{left_out} {what} have more than {MOST_LISTED} {found}: the nearest are listed", UserWarning)
     _count(known)
 
 
@@ -73,15 +76,15 @@ def _count(known: AllHits) -> None:
     known.stats["rays_cut_off"] = int((known._columns["hit"] == CUT_OFF).sum())
 
 
-def _are_at_one_t(more: Columns, last: np.ndarray) -> np.ndarray:
+def _are_at_one_t(more: Columns, last: Array) -> Array:
     """For each ray, whether its whole answer is at its last t, and there is more."""
     is_cut, end = more["hit"] == CUT_OFF, more["offset"][1:].astype("i8")
-    at_one = is_cut.copy()
+    at_one: Array = is_cut.copy()
     at_one[is_cut] = more["t"][end[is_cut] - 1] == last[is_cut]
     return at_one
 
 
-def _replace(columns: Columns, rows: np.ndarray, last: np.ndarray, more: Columns) -> None:
+def _replace(columns: Columns, rows: Array, last: Array, more: Columns) -> None:
     """Puts the answers for `rows` in the place of their hits at `last` and behind."""
     is_answered = more["hit"] != UNANSWERED
     limit = np.full(len(columns["hit"]), np.inf)
