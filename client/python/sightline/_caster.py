@@ -119,6 +119,33 @@ def _fill_through_segment(connection: Connection, query: Query, source: Any, cou
             columns.end_call(error)
 
 
+def _apply_through_segment(connection: Connection, query: Query, source: Rows, collector: _PerRay,
+                           timeout: Optional[float]) -> "Optional[BaseException]":
+    """Applies updates and fills all rows by one call, if it can; they were not filled otherwise, and may go by messages,
+    as the updates have an id. Returns the error that a call has ended with."""
+    columns = SegmentColumns.make(connection, query, source, source.count, collector.columns, timeout)
+    if columns is None:
+        return None
+    with columns:
+        piece = next(columns.pieces())
+        request = columns.description().SerializeToString() + columns.request(piece)
+        try:
+            data = connection.call(query.form.call, request, timeout, light=False, scene=query.request.scene)
+        except BaseException as error:  # it is raised, or returned
+            columns.end_call(error)
+            return error
+        answer = codec.answer(data)
+        _check_applied(answer)
+        columns.put(piece, answer)
+        collector.add(source.count, [answer])
+    return None
+
+
+def _check_applied(answer: codec.Answer) -> None:
+    if answer.applied is None:
+        raise errors.Unimplemented("the server is of a version that applies no updates with a cast, and has applied none")
+
+
 class Caster:
     """One cast, of rays or of points, as the query says. `limit`: how many the server takes in a request. `check` is
     told of those that were cast, and of the token of the revision."""
@@ -133,9 +160,10 @@ class Caster:
 
     def cast(self, rays: Source, progress: Progress, out: "Optional[Dict[str, np.ndarray]]" = None) -> "Union[Hits, AllHits]":
         """All rays of an array, or points of a grid. out: columns that are filled. ValueError: updates, with what one
-        message does not hold."""
-        if self._query.has_updates():
-            self._check_one_message(rays)
+        call does not hold."""
+        if self._query.has_updates() and (self._query.kind == "all" or isinstance(rays, PointGrid)):
+            raise ValueError("apply goes with arrays of rays or points, and not with kind='all': apply the changes first, and "
+                             "cast with revision=batch.applied.revision")
         self._begin()
         return self._completed(self._answers(self._query, rays, progress, out or {}), rays)
 
@@ -153,13 +181,21 @@ class Caster:
                 yield self._completed(collector.hits(piece.rays.shape, piece.rays, self._names), piece.rays)
                 collector = None
 
-    def _check_one_message(self, rays: Source) -> None:
-        if self._query.kind == "all" or isinstance(rays, PointGrid):
-            raise ValueError("apply goes with arrays of rays or points, and not with kind='all': apply the changes first, and "
-                             "cast with revision=batch.applied.revision")
+    def _apply(self, query: Query, rays: Rows, collector: _PerRay) -> None:
+        """Applies the updates and casts, in one call."""
+        error = _apply_through_segment(self._connection, query, rays, collector, self._rest())
+        if collector.filled == rays.count and collector.filled:
+            return
         if rays.count > self._limit:
-            raise ValueError(f"apply goes with what one message holds, {self._limit} rays or points, not {rays.count}: apply "
-                             "the changes first, and cast with revision=batch.applied.revision")
+            if error is not None:
+                raise error
+            kind, reason = self._connection.segments.transport()
+            raise ValueError(f"apply goes with what one call holds, not with {rays.count} rays or points: {self._limit} in a "
+                             f"message, more through shared memory (here {kind}: {reason}); apply the changes first, and cast "
+                             "with revision=batch.applied.revision")
+        answer = cast_once(self._connection, query, rays, self._rest())
+        _check_applied(answer)
+        collector.add(rays.count, [answer])
 
     def _begin(self) -> None:
         now, budget = time.monotonic(), self._query.request.time_budget_ms
@@ -169,7 +205,11 @@ class Caster:
     def _answers(self, query: Query, rays: Source, progress: Progress,
                  out: "Dict[str, np.ndarray]") -> "Union[Hits, AllHits]":
         collector, size, begin = _collector(query, rays.count, out), min(self._limit, RAYS_PER_MESSAGE), 0
-        if isinstance(collector, _PerRay) and not query.has_updates():
+        if isinstance(collector, _PerRay) and isinstance(rays, Rows) and query.has_updates():
+            self._apply(query, rays, collector)
+            progress(rays.count)
+            return collector.hits(rays.shape, rays, self._names)
+        if isinstance(collector, _PerRay):
             source = rays.message() if isinstance(rays, PointGrid) else rays
             _fill_through_segment(self._connection, query, source, rays.count, collector, self._rest(), progress)
             begin = collector.filled
@@ -181,11 +221,7 @@ class Caster:
                 collector.add(part.count, answers)
                 progress(part.count)
         elif not begin and rays.count <= self._limit and query.kind != "all":
-            answer = cast_once(self._connection, query, rays, self._rest())
-            if query.has_updates() and answer.applied is None:
-                raise errors.Unimplemented("the server is of a version that applies no updates with a cast, and has "
-                                           "applied none")
-            collector.add(rays.count, [answer])
+            collector.add(rays.count, [cast_once(self._connection, query, rays, self._rest())])
             progress(rays.count)
         else:
             for piece, answers in self._stream(query, pieces([rays], size, begin)):
