@@ -191,7 +191,8 @@ class SegmentColumns:
         # gRPC repeats calls with updates: the connection may have broken, and the segment ended with it, under a first one
         # that still writes.
         is_repeated = self._query.has_updates() and getattr(error, "reason", "") == "SEGMENT_NOT_FOUND"
-        if isinstance(error, errors.SightlineError) and error.reason and not is_repeated:  # the server has ended it, after all of its work
+        # With a reason, the server itself has ended it, after all of its work.
+        if isinstance(error, errors.SightlineError) and error.reason and not is_repeated:
             if error.reason == "SEGMENT_NOT_FOUND":
                 self._pool.lose(segment)
             if error.retry_delay is None:

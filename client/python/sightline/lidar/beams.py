@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import math
 import operator
-from typing import TYPE_CHECKING, Any, Optional, Tuple
+from typing import Any, Optional, Tuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._arrays import reals
-
-if TYPE_CHECKING:
-    from .sweep import Out, Sweep
-    from .trajectory import Trajectory
+from .sweep import Out, Sweep
+from .trajectory import Trajectory
 
 MOST_BEAMS = 65536     # a ring is a number of 16 bits
 MOST_RAYS = 1 << 48    # whose numbers, and times the number of beams, stay exact
@@ -27,8 +25,8 @@ class BeamTable:
     turning, (b) or one number.
     period: seconds of a revolution; math.inf: the head stands still. columns: of a revolution; or interval: seconds
     from a column to the next, where these do not divide the period. zero: the head's azimuth in degrees at column 0.
-    clockwise: how it turns, seen from above. radius: metres from the axis, in the head's direction, at which beams
-    begin and ranges count from. ranges: the least and the greatest range that is measured, in metres.
+    clockwise: how it turns, seen from above. radius: how far from the axis, in the head's direction, beams begin, from
+    where ranges count. ranges: the least and the greatest range that is measured. Lengths are in units of the scene.
 
     Errors: ValueError, TypeError: a number that is not finite or out of its range, columns of different lengths."""
 
@@ -54,8 +52,10 @@ class BeamTable:
         if not 0 <= least <= greatest or math.isinf(least):
             raise ValueError(f"ranges are a least one, not below 0, and a greatest one, not below that: not {ranges}")
         self.ranges = (least, greatest)
-        self._turned = 0.0 * self.times if math.isinf(self.period) else self._sense * 360 * (self.times / self.period)
-        self._units = _units(self.elevations, self.azimuths + self._turned)
+        turned = 0.0 * self.times if math.isinf(self.period) else self._sense * 360 * (self.times / self.period)
+        # Both (b, 3), in the head's frame at the begin of a column.
+        self.directions = _units(self.elevations, self.azimuths + turned)
+        self.origins = self.radius * _units(0 * turned, turned)
 
     @property
     def columns(self) -> int:
@@ -67,18 +67,16 @@ class BeamTable:
         """(columns, beams) of a revolution."""
         return self.columns, len(self.elevations)
 
-    def sweep(self, trajectory: "Trajectory", *, first: int = 0, columns: Optional[int] = None, start: float = 0.0,
-              out: "Optional[Out]" = None) -> "Sweep":
+    def sweep(self, trajectory: Trajectory, *, first: int = 0, columns: Optional[int] = None, start: float = 0.0,
+              out: Optional[Out] = None) -> Sweep:
         """The rays of columns from number `first` on, by default of a revolution, of a sensor that moves along a
         trajectory.
 
         start: the time of column 0. Each ray has the pose of its own time. Columns are counted on from revolution to
         revolution, and a ray is the same, bit by bit, in whatever sweep it is. out: arrays (columns, beams, 3) of
-        float32 or float64 for origins and directions, such as those of Client.share_memory(), which the sweep then
-        keeps. Errors: ValueError, TypeError: numbers out of range, arrays of another form, times that the trajectory
-        does not have."""
-        from .sweep import Sweep
-
+        float32 or float64 for origins and directions, such as those of Client.share_memory(); the sweep has its rays
+        there, until another one is written over them. Errors: ValueError, TypeError: numbers out of range, arrays of
+        another form, times that the trajectory does not have."""
         first, count = operator.index(first), operator.index(self.columns if columns is None else columns)
         if count < 0 or first < 0 or (first + count) * len(self.elevations) > MOST_RAYS:
             raise ValueError(f"columns are from 0 on, up to {MOST_RAYS} rays, not {count} columns from {first} on")
@@ -94,16 +92,6 @@ class BeamTable:
         angle = np.radians(self.zero + self._sense * 360 * turn)
         c, s, o = np.cos(angle), np.sin(angle), 0 * angle
         return np.stack([np.stack(row, axis=-1) for row in ([c, -s, o], [s, c, o], [o, o, o + 1])], axis=-2)
-
-    @property
-    def directions(self) -> NDArray[Any]:
-        """(b, 3): unit directions from the head's frame at the begin of a column."""
-        return self._units
-
-    @property
-    def origins(self) -> NDArray[Any]:
-        """(b, 3): where beams begin, in that frame."""
-        return self.radius * _units(0 * self._turned, self._turned)
 
     @property
     def _sense(self) -> int:

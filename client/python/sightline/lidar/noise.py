@@ -18,9 +18,9 @@ class RangeNoise:
 
     The measured range is normally distributed about the true one, with the standard deviation sigma + growth * range,
     and rounded to a multiple of `resolution` (0: not rounded); a share `dropout` of the rays returns nothing. sigma,
-    resolution: metres. seed: 0 to 2**128 - 1. The errors of a ray depend on the seed and on the ray's number alone,
-    column * beams + beam: two sweeps of one revolution each, or many of a few columns, have the same. They come from
-    the generator Philox. Errors: ValueError, TypeError: a number out of its range."""
+    resolution: units of the scene. seed: 0 to 2**128 - 1. The errors of a ray depend on the seed and on the ray's
+    number alone, column * beams + beam: two sweeps of one revolution each, or many of a few columns, have the same.
+    They come from the generator Philox. Errors: ValueError, TypeError: a number out of its range."""
 
     def __init__(self, seed: int, *, sigma: float = 0.0, growth: float = 0.0, dropout: float = 0.0,
                  resolution: float = 0.0):

@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-from typing import Any, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Optional, Tuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..rays import Rays, as_rays
-from .beams import BeamTable
 from .cloud import PointCloud
 from .noise import RangeNoise
 from .trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from .beams import BeamTable
 
 Out = Tuple[NDArray[Any], NDArray[Any]]
 
 
 class Sweep:
-    """Columns of rays, from BeamTable.sweep(). origins, directions: (columns, beams, 3), in the scene; directions are
-    unit.
-    times: (columns, beams), when each is fired. first: the number of the first column."""
+    """Columns of rays, from BeamTable.sweep(). origins, directions: (columns, beams, 3), in the scene, directions of
+    length 1. times: (columns, beams), when each ray is fired. first: the number of the first column."""
 
-    def __init__(self, beams: BeamTable, trajectory: Trajectory, first: int, columns: int, start: float,
+    def __init__(self, beams: "BeamTable", trajectory: Trajectory, first: int, columns: int, start: float,
                  out: Optional[Out]):
         self.beams, self.first, self.shape = beams, first, (columns, len(beams.elevations))
         begins = start + np.arange(first, first + columns, dtype="f8")[:, None] * beams.interval
