@@ -16,12 +16,12 @@ AZIMUTHS = -np.tile([3.164, 1.055, -1.055, -3.164], 16)
 BEAM_RADIUS = 0.012163  # metres
 
 
-def os1(columns=1024, turns_a_second=10):
+def os1(columns: int = 1024, turns_a_second: float = 10) -> lidar.BeamTable:
     return lidar.BeamTable(ELEVATIONS, AZIMUTHS, period=1 / turns_a_second, columns=columns, radius=BEAM_RADIUS,
                            ranges=(0.3, 120))
 
 
-def yard(client):
+def yard(client: sightline.Client) -> sightline.Scene:
     """A floor of 200 x 200 m and a wall of 40 m at x = 20."""
     vertices = [[-100, -100, 0], [100, -100, 0], [100, 100, 0], [-100, 100, 0],
                 [20, -20, 0], [20, 20, 0], [20, 20, 8], [20, -20, 8]]
@@ -29,7 +29,7 @@ def yard(client):
     return client.import_arrays("yard", vertices, faces, up_axis="z", meters_per_unit=1)
 
 
-def main():
+def main() -> None:
     mast = lidar.Trajectory([0], [np.column_stack([np.eye(3), [0, 0, 3]])])
     sweep = os1().sweep(mast)
     with sightline.serve() as server:

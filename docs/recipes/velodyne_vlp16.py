@@ -14,13 +14,13 @@ ELEVATIONS = np.array([-15, 1, -13, 3, -11, 5, -9, 7, -7, 9, -5, 11, -3, 13, -1,
 RINGS = np.argsort(ELEVATIONS)
 
 
-def vlp16(turns_a_second=10):
+def vlp16(turns_a_second: float = 10) -> lidar.BeamTable:
     """Rays begin on the axis: the vertical corrections, of up to 11 mm, are left out. Ranges are up to 100 m."""
     return lidar.BeamTable(ELEVATIONS[RINGS], times=2.304e-6 * RINGS, period=1 / turns_a_second, interval=55.296e-6,
                            zero=90, clockwise=True, ranges=(0.4, 100))
 
 
-def room(client):
+def room(client: sightline.Client) -> sightline.Scene:
     """A hall of 30 x 20 x 6 m whose walls face inwards."""
     low, high = np.array([-15.0, -10, 0]), np.array([15.0, 10, 6])
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
@@ -29,7 +29,7 @@ def room(client):
     return client.import_arrays("hall", low + corners * (high - low), faces, up_axis="z", meters_per_unit=1)
 
 
-def corner(seconds):
+def corner(seconds: float) -> lidar.Trajectory:
     """Poses of the sensor, at times from 0 on: it drives 2 m/s on a circle of 3 m radius, 1.8 m above the floor."""
     times = np.linspace(0, seconds, 11)
     angle = 2 / 3 * times
@@ -38,7 +38,7 @@ def corner(seconds):
     return lidar.Trajectory.from_quaternions(times, positions, np.column_stack(turn))
 
 
-def main():
+def main() -> None:
     with sightline.serve() as server:
         sweep = vlp16().sweep(corner(0.2))
         hits = room(server.client).cast(sweep.rays, fields=("t", "normal"))
