@@ -1,6 +1,10 @@
 """Casts with updates through memory that client and server share: answers, revisions, and calls that break."""
 
 import asyncio
+import os
+import pathlib
+import subprocess
+import tempfile
 import unittest
 
 import brute
@@ -111,6 +115,42 @@ class SharedUpdatesTest(ServerTest):
                 hits = scene.cast(few, apply=updates.set_transforms([self.node], shifted(0.1 * step)))
                 self.assertEqual(hits.revision, self.revision + 1 + step, "applied once, by messages")
                 np.testing.assert_array_equal(hits.t, self.expected(few, hits.revision).t)
+
+
+class RestartTest(unittest.TestCase):
+    def test_a_server_that_is_started_again(self):
+        rays = np.tile(brute.rays(300), (200, 1))  # more than a message holds
+        with tempfile.TemporaryDirectory() as folder:
+            socket_path, ready = pathlib.Path(folder, "socket"), pathlib.Path(folder, "port")
+
+            def start():
+                ready.unlink(missing_ok=True)
+                server = subprocess.Popen(
+                    [os.environ.get("SIGHTLINED", "sightlined"), "--listen", f"unix:{socket_path}", "--data-dir",
+                     f"{folder}/data", "--port-file", str(ready)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                while not ready.exists() and server.poll() is None:
+                    pass
+                return server
+
+            server = start()
+            try:
+                with sightline.connect(f"unix:{socket_path}") as client:
+                    scene = client.create_scene("kept")
+                    node = scene.add(brute.soup(), mobility="rigid")
+                    memory = client.share_memory(4 << 20)
+                    out = {"t": memory.empty(len(rays))}
+                    for step in range(4):
+                        hits = scene.cast(rays, apply=updates.set_transforms([node], shifted(step)),
+                                          out=out if step % 2 else None, fields=("t",))
+                        self.assertEqual(hits.revision, step + 2, "applied once")
+                        np.testing.assert_array_equal(hits.t, scene.cast(rays, revision=hits.revision).t)
+                        self.assertEqual(client.transport.kind, "segments", client.transport.reason)
+                        server.kill()
+                        server.wait()
+                        server = start()
+            finally:
+                server.kill()
+                server.wait()
 
 
 if __name__ == "__main__":

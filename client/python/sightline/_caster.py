@@ -14,6 +14,7 @@ from ._arrays import Rows
 from ._cast import RAYS_PER_MESSAGE, CastStream, Piece, cast_once, generated, pieces
 from ._connection import Connection
 from ._segment_columns import SegmentColumns
+from ._segments import MOST_SEGMENTS
 from ._query import OF_HITS, POINTS, Query
 from .batch import Applied
 from .hits import AllHits, Hits, NameLookup, empty_columns
@@ -23,6 +24,7 @@ from .points import PointGrid
 Progress = Callable[[int], None]  # called with how many more rays are answered
 Source = Union[Rows, PointGrid]   # what is cast
 _MOST_GENERATED = 16384
+_MOST_LOST = MOST_SEGMENTS + 2  # segments that a server that is started again has forgotten: the pool's and two of a user
 
 
 class _Totals:
@@ -121,8 +123,9 @@ def _fill_through_segment(connection: Connection, query: Query, source: Any, cou
 
 def _apply_through_segment(connection: Connection, query: Query, source: Rows, collector: _PerRay,
                            timeout: Optional[float]) -> "Optional[BaseException]":
-    """Applies updates and fills all rows by one call, if it can; they were not filled otherwise, and may go by messages,
-    as the updates have an id. Returns the error that a call has ended with."""
+    """Applies updates and fills all rows by one call. Returns the error by which the segment was lost, if it was: the rows
+    are not filled then, and may go by messages or another segment, as the updates have an id. None, without rows that are
+    filled: there is no segment."""
     columns = SegmentColumns.make(connection, query, source, source.count, collector.columns, timeout)
     if columns is None:
         return None
@@ -133,6 +136,8 @@ def _apply_through_segment(connection: Connection, query: Query, source: Rows, c
             data = connection.call(query.form.call, request, timeout, light=False, scene=query.request.scene)
         except BaseException as error:  # it is raised, or returned
             columns.end_call(error)
+            if getattr(error, "reason", "") not in ("", "SEGMENT_NOT_FOUND"):
+                raise
             return error
         answer = codec.answer(data)
         _check_applied(answer)
@@ -183,12 +188,17 @@ class Caster:
 
     def _apply(self, query: Query, rays: Rows, collector: _PerRay) -> None:
         """Applies the updates and casts, in one call."""
-        error = _apply_through_segment(self._connection, query, rays, collector, self._rest())
-        if collector.filled == rays.count and collector.filled:
-            return
+        lost: Optional[BaseException] = None
+        for _ in range(_MOST_LOST):
+            error = _apply_through_segment(self._connection, query, rays, collector, self._rest())
+            if collector.filled == rays.count and collector.filled:
+                return
+            lost = error or lost
+            if error is None or rays.count <= self._limit:
+                break
         if rays.count > self._limit:
-            if error is not None:
-                raise error
+            if lost is not None:
+                raise errors.Unavailable(f"a cast with changes has lost its shared memory: {lost}") from lost
             kind, reason = self._connection.segments.transport()
             raise ValueError(f"apply goes with what one call holds, not with {rays.count} rays or points: {self._limit} in a "
                              f"message, more through shared memory (here {kind}: {reason}); apply the changes first, and cast "
