@@ -153,6 +153,7 @@ class BeamTableTest(unittest.TestCase):
                              ("columns divide", {"columns": 1.5}), ("columns divide", {"period": math.inf}),
                              ("interval is above 0", {"columns": None, "interval": 0}),
                              ("not above the period", {"columns": None, "interval": 0.2}),
+                             ("at most 281474976710656 columns", {"columns": None, "interval": 1e-300}),
                              ("zero is finite", {"zero": math.nan}), ("radius is finite", {"radius": -1}),
                              ("ranges are", {"ranges": (2, 1)}), ("ranges are", {"ranges": (math.nan, 1)}),
                              ("ranges are", {"ranges": (-1, 1)})):
@@ -276,6 +277,7 @@ class PointsTest(ServerTest):
         hits = self.scene.cast(sweep.rays)
         other = self.scene.cast(sweep.rays, kind="any")
         for error, text, ask in ((ValueError, "shape", lambda: self.sensor.sweep(self.path, columns=1).points(hits)),
+                                 (TypeError, "several rows", lambda: sweep.points(self.scene.cast(sweep.rays, kind="all"))),
                                  (ValueError, "frame is", lambda: sweep.points(hits, frame="world")),
                                  (ValueError, "not below 0", lambda: sweep.points(hits, reflectivity=-1)),
                                  (ValueError, "not below 0", lambda: sweep.points(hits, reflectivity=np.nan)),

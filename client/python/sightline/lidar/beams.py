@@ -21,7 +21,7 @@ class BeamTable:
     """Beams of a sensor whose head turns about its z axis and fires all of them, a column, at equal intervals.
 
     elevations: degrees above the xy plane, (b). azimuths: degrees from the head's direction, counterclockwise seen from
-    above, (b) or one number. times: seconds from the begin of a column until the beam is fired, while the head goes on
+    above, (b) or one number. times: seconds from the start of a column until the beam is fired, while the head goes on
     turning, (b) or one number.
     period: seconds of a revolution; math.inf: the head stands still. columns: of a revolution; or interval: seconds
     from a column to the next, where these do not divide the period. zero: the head's azimuth in degrees at column 0.
@@ -53,7 +53,7 @@ class BeamTable:
             raise ValueError(f"ranges are a least one, not below 0, and a greatest one, not below that: not {ranges}")
         self.ranges = (least, greatest)
         turned = 0.0 * self.times if math.isinf(self.period) else self._sense * 360 * (self.times / self.period)
-        # Both (b, 3), in the head's frame at the begin of a column.
+        # Both (b, 3), in the head's frame at the start of a column.
         self.directions = _units(self.elevations, self.azimuths + turned)
         self.origins = self.radius * _units(0 * turned, turned)
 
@@ -108,6 +108,8 @@ def _columns(period: float, columns: Optional[int], interval: Optional[float]) -
         return float(columns), period / columns
     if not (interval > 0 and math.isfinite(interval) and interval <= period):
         raise ValueError(f"interval is above 0 and not above the period, {period} s, as {interval} is")
+    if math.isfinite(period) and period / interval > MOST_RAYS:
+        raise ValueError(f"a revolution has at most {MOST_RAYS} columns, not {period} s in steps of {interval} s")
     return (period / interval if math.isfinite(period) else 1.0), float(interval)
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Optional, Tuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..hits import AllHits
 from ..rays import Rays, as_rays
 from .cloud import PointCloud
 from .noise import RangeNoise
@@ -61,8 +62,10 @@ class Sweep:
         the cosine between ray and normal, without the loss by distance, for which sensors correct it; without normals
         it is the reflectivity. reflectivity: one number, or for each ray, (columns, beams), as by a table of hits.node.
         frame: "scene"; or "sensor", coordinates of the sensor as it stood when it fired each beam, in which its motion
-        distorts the scene. Rays without an answer, which hits.unanswered tells, return nothing. Errors: ValueError,
-        hits of other rays' shape, reflectivities that are negative or not finite."""
+        distorts the scene. Rays without an answer, which hits.unanswered tells, return nothing. Errors: TypeError,
+        hits of kind "all"; ValueError, hits of rays of another shape, reflectivities that are negative or not finite."""
+        if isinstance(hits, AllHits):
+            raise TypeError("hits of kind 'all' have several rows for a ray: cast with kind='closest'")
         if tuple(hits.shape) != self.shape:
             raise ValueError(f"the hits are of rays of shape {tuple(hits.shape)}, the sweep's is {self.shape}")
         if frame not in ("scene", "sensor"):
