@@ -116,6 +116,21 @@ class SharedUpdatesTest(ServerTest):
                 self.assertEqual(hits.revision, self.revision + 1 + step, "applied once, by messages")
                 np.testing.assert_array_equal(hits.t, self.expected(few, hits.revision).t)
 
+    def test_answers_in_shared_memory_whose_connection_breaks(self):
+        proxy = Proxy(self.server.endpoint)
+        self.addCleanup(proxy.close)
+        with sightline.connect(proxy.endpoint) as client:
+            scene, memory = client.scene(self.scene.name), client.share_memory(4 << 20)
+            self.assertTrue(memory.is_shared, memory.why_not_shared)
+            out, move = {"t": memory.empty(len(self.rays))}, updates.set_transforms([self.node], shifted(1))
+            scene.cast(self.rays, out=out)
+            proxy.cut()
+            with self.assertRaises(errors.Unavailable):
+                scene.cast(self.rays, out=out, apply=move)
+            self.assertFalse(memory.is_shared)
+            with self.assertRaisesRegex(errors.FailedPrecondition, "MEMORY_ABANDONED"):
+                scene.cast(self.rays, out=out, apply=move)
+
 
 class RestartTest(unittest.TestCase):
     def test_a_server_that_is_started_again(self):

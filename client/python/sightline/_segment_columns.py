@@ -204,6 +204,8 @@ class SegmentColumns:
         else:
             segment.abandon()  # late answers must not reach the rows of another cast
             if any(column.offset is not None for column in self._answers.values()):
+                if is_repeated:
+                    raise errors.Unavailable("the segment of the answers has ended, or the connection: share new memory") from error
                 raise error
         if not isinstance(error, errors.SightlineError) or isinstance(error, (errors.Cancelled, errors.DeadlineExceeded)):
             raise error

@@ -63,7 +63,8 @@ class Sweep:
         it is the reflectivity. reflectivity: one number, or for each ray, (columns, beams), as by a table of hits.node.
         frame: "scene"; or "sensor", coordinates of the sensor as it stood when it fired each beam, in which its motion
         distorts the scene. Rays without an answer, which hits.unanswered tells, return nothing. Errors: TypeError,
-        hits of kind "all"; ValueError, hits of rays of another shape, reflectivities that are negative or not finite."""
+        hits of kind "all"; ValueError, hits of rays of another shape, reflectivities that are negative or not
+        finite."""
         if isinstance(hits, AllHits):
             raise TypeError("hits of kind 'all' have several rows for a ray: cast with kind='closest'")
         if tuple(hits.shape) != self.shape:
