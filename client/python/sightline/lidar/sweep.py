@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any, Optional, Tuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..hits import AllHits
-from ..rays import Rays, as_rays
+from .. import AllHits, Rays, as_rays
 from .cloud import PointCloud
 from .noise import RangeNoise
 from .trajectory import Trajectory
