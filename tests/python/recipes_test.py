@@ -35,9 +35,12 @@ class ProgramsTest(unittest.TestCase):
         "inside_test": ("26729 of 100000 points are inside", ()),
         "lidar_scan": ("points of 11520 rays", ("cloud.npy",)),
         "line_of_sight": ("pairs see each other", ()),
+        "moving_cars": ("points of 2048 rays, ", ()),
         "moving_object": ("forklift at ( 9.0,  0.0): body at 8.00 m", ()),
+        "ouster_os1": ("above the floor, at x = 20.00 m", ("yard.ply",)),
         "signed_slice": ("segments, together 5.02 long; a true circle is 5.03", ("outline.npy", "signed.npy")),
         "sun_hours": ("21 December: 8.0 h south of the house, 0.0 h north of it", ()),
+        "velodyne_vlp16": ("points of 28928 rays in 100.0 ms, z -0.", ("hall.las", "hall.pcd")),
         "viewshed": ("are seen from the summit", ("viewshed.npy", "viewshed.pgm")),
         "wall_thickness": ("high z: 0.200 by balls, 0.200 by rays", ()),
     }
@@ -87,6 +90,83 @@ class LidarScanTest(ServerTest):
             self.assertEqual((bool(hits.hit[column, level]), hits.name[column, level]), (bool(name), name))
         self.assertTrue((hits.t >= lidar.RANGE[0]).all())
         self.assertEqual(np.isfinite(hits.position[..., 0]).tolist(), hits.hit.tolist())
+
+
+class VelodyneTest(ServerTest):
+    def test_a_hall(self):
+        recipe_of = recipe("velodyne_vlp16")
+        sensor, path = recipe_of.vlp16(), recipe_of.corner(0.2)
+        self.assertEqual((sensor.shape, sensor.elevations.tolist()), ((1808, 16), list(range(-15, 16, 2))))
+        sweep = sensor.sweep(path)
+        hits = recipe_of.room(self.client).cast(sweep.rays)
+        self.assertTrue(hits.hit.all())
+        for column in range(0, 1808, 53):
+            for ring, laser in enumerate((0, 2, 4, 6, 8, 10, 12, 14, 1, 3, 5, 7, 9, 11, 13, 15)):
+                time = 55.296e-6 * column + 2.304e-6 * laser
+                turn = 2 / 3 * time  # of the car; the head turns the other way, from y on
+                azimuth, elevation = math.pi / 2 - 2 * math.pi * time / 0.1 + turn, math.radians(-15 + 2 * ring)
+                ray = [math.cos(elevation) * math.cos(azimuth), math.cos(elevation) * math.sin(azimuth), math.sin(elevation)]
+                origin = [3 * math.sin(turn), 3 - 3 * math.cos(turn), 1.8]
+                walls = [((high if d > 0 else low) - o) / d for o, d, low, high in
+                         zip(origin, ray, (-15, -10, 0), (15, 10, 6)) if d]
+                self.assertAlmostEqual(hits.t[column, ring], min(walls), delta=1e-4)  # the way is a chord of 2 mm
+
+
+class OusterTest(ServerTest):
+    def test_a_yard(self):
+        recipe_of = recipe("ouster_os1")
+        sensor = recipe_of.os1()
+        self.assertEqual(sensor.shape, (1024, 64))
+        mast = recipe_of.lidar.Trajectory([0], [np.column_stack([np.eye(3), [0, 0, 3]])])
+        hits = recipe_of.yard(self.client).cast(sensor.sweep(mast).rays)
+        for column in range(0, 1024, 31):
+            for row in range(0, 64, 5):
+                head = -2 * math.pi * column / 1024
+                azimuth = head - math.radians((3.164, 1.055, -1.055, -3.164)[row % 4])
+                elevation = math.radians(16.611 - 33.222 * row / 63)
+                x, y = math.cos(elevation) * math.cos(azimuth), math.cos(elevation) * math.sin(azimuth)
+                at = 0.012163 * np.array([math.cos(head), math.sin(head)])
+                wall = (20 - at[0]) / x if x > 0 else math.inf
+                is_wall = math.isfinite(wall) and abs(at[1] + wall * y) <= 20 and 0 <= 3 + wall * math.sin(elevation) <= 8
+                floor = -3 / math.sin(elevation) if elevation < 0 else math.inf
+                on_floor = math.isfinite(floor) and max(abs(at + floor * np.array([x, y]))) <= 100
+                expected = min(wall if is_wall else math.inf, floor if on_floor else math.inf)
+                self.assertTrue(math.isclose(hits.t[column, row], expected if expected <= 120 else math.inf, rel_tol=1e-9),
+                                (column, row))
+
+
+class MovingCarsTest(ServerTest):
+    def test_frames(self):
+        moving = recipe("moving_cars")
+        scene, cars = moving.street(self.client, detail=2)
+        scanner = moving.Scanner(self.client, beams=16, columns=128)
+        before = scene.info().revision
+        houses = [([x, y, 0], [x + 13, y + 12, 6 + 3 * (number % 4)])
+                  for number, x in enumerate(np.linspace(-120, 104, 15)) for y in (10, -22)]
+        self.assertEqual(scene.info().triangles_instanced, 16 * 2 * 2 + 30 * 40 + 20 * 10)
+        on_cars = 0
+        for number in (0, 1, 2, 40):
+            sweep, hits, _ = scanner.frame(scene, cars, number)
+            before += 1
+            self.assertEqual((hits.revision, hits.applied.revision), (before, before))
+            origins, rays = (part.reshape(-1, 3).astype("f8") for part in (sweep.origins, sweep.directions))
+            middles = moving.poses(number * 0.1)[:, :, 3]
+            boxes = houses + [(middle + [-2.2, -0.9, 0.2], middle + [2.2, 0.9, 1.5]) for middle in middles]
+            low, high = (np.array(ends, "f8") for ends in zip(*boxes))
+            with np.errstate(divide="ignore"):
+                first, second = ((ends - origins[:, None]) / rays[:, None] for ends in (low, high))
+                road = -origins[:, 2] / rays[:, 2]
+            enters, leaves = np.minimum(first, second).max(axis=2), np.maximum(first, second).min(axis=2)
+            t = np.where((enters <= leaves) & (enters > 0), enters, np.inf)
+            ends = np.abs(origins + road[:, None] * rays)
+            t = np.column_stack([t, np.where((road > 0) & (ends[:, 0] <= 120) & (ends[:, 1] <= 7), road, np.inf)])
+            nearest = t.min(axis=1)
+            nearest[nearest > 120] = np.inf
+            is_car = (t.argmin(axis=1) // 30 == 1) & (t.argmin(axis=1) < 50) & np.isfinite(nearest)
+            np.testing.assert_allclose(hits.t.reshape(-1), nearest, atol=1e-4)
+            np.testing.assert_array_equal(np.isin(hits.node.reshape(-1), [car.id for car in cars]), is_car)
+            on_cars += is_car.sum()
+        self.assertGreater(on_cars, 100)
 
 
 class GameTickTest(ServerTest):

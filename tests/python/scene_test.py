@@ -111,11 +111,13 @@ class SceneTest(ServerTest):
         move = sightline.updates.set_transforms([node], shifted(10)[None])
         token = self.scene.cast(DOWN).token
         many = np.zeros((self.client.max_rays_per_request() + 1, 6))
+        by_messages = sightline.connect(self.server.endpoint, use_segments=False)
+        self.addCleanup(by_messages.close)
         grid = sightline.PointGrid(origin=[0, 0, 2], across=[1, 0, 0], down=[0, 1, 0], columns=2000, rows=2000)
         with self.client.create_scene("of-others").batch() as others:
             for text, asking in (("kind='all'", lambda: self.scene.cast(DOWN, kind="all", apply=move)),
-                                 ("one message", lambda: self.scene.cast(many, apply=move)),
-                                 ("one message", lambda: self.scene.closest(grid, apply=move)),
+                                 ("in a message", lambda: by_messages.scene(self.scene.name).cast(many, apply=move)),
+                                 ("in a message", lambda: by_messages.scene(self.scene.name).closest(grid, apply=move)),
                                  ("iterator", lambda: next(self.scene.cast(iter([np.array(DOWN)]), apply=move))),
                                  ("revision", lambda: self.scene.cast(DOWN, revision=1, apply=move)),
                                  ("revision", lambda: self.scene.cast(DOWN, at_least=token, apply=move)),

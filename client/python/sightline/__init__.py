@@ -9,7 +9,7 @@
     scene.closest([[0.2, 0.1, 5]]).distance
 
 sightline.aio has the same for asyncio. sightline.trimesh_ray, sightline.trimesh_proximity and sightline.open3d_t have
-classes for programs that were written for trimesh and Open3D.
+classes for programs that were written for trimesh and Open3D. sightline.lidar has sensors that turn and move.
 """
 
 from . import errors, updates

@@ -17,6 +17,7 @@ from ._completion import complete, complete_rows
 from ._connection import Connection
 from ._generated import Generated
 from ._segment_columns import SegmentColumns
+from ._segments import MOST_SEGMENTS
 from ._query import OF_HITS, POINTS, Query
 from ._types import Array, NameLookup
 from .all_hits import AllHits
@@ -30,6 +31,7 @@ from .rays import Rays
 
 Progress = Callable[[int], None]  # called with how many more rays are answered
 Answered = Union[Hits, AllHits]
+_MOST_LOST = MOST_SEGMENTS + 2  # segments that a server that is started again has forgotten: the pool's and two of a user
 Source = Union[Rows, Generated]   # what is cast
 
 
@@ -127,6 +129,37 @@ def _fill_through_segment(connection: Connection, query: Query, source: Any, cou
             columns.end_call(error)
 
 
+def _apply_through_segment(connection: Connection, query: Query, source: Source, collector: _PerRay,
+                           timeout: Optional[float]) -> "Optional[BaseException]":
+    """Applies updates and fills all rows by one call. Returns the error by which the segment was lost, if it was: the rows
+    are not filled then, and may go by messages or another segment, as the updates have an id. None, without rows that are
+    filled: there is no segment."""
+    columns = SegmentColumns.make(connection, query, source.message() if isinstance(source, Generated) else source, source.count, collector.columns, timeout)
+    if columns is None:
+        return None
+    with columns:
+        piece = next(columns.pieces())
+        request = columns.description().SerializeToString() + columns.request(piece)
+        try:
+            data = connection.call(query.form.call, request, timeout, light=False, scene=query.request.scene,
+                                   route_key=query.route_key)
+        except BaseException as error:  # it is raised, or returned
+            columns.end_call(error)
+            if getattr(error, "reason", "") not in ("", "SEGMENT_NOT_FOUND"):
+                raise
+            return error
+        answer = codec.answer(data)
+        _check_applied(answer)
+        columns.put(piece, answer)
+        collector.add(source.count, [answer])
+    return None
+
+
+def _check_applied(answer: codec.Answer) -> None:
+    if answer.applied is None:
+        raise errors.Unimplemented("the server is of a version that applies no updates with a cast, and has applied none")
+
+
 class Caster:
     """One cast, of rays or of points, as the query says. `limit`: how many the server takes in a request. `check` is
     told of those that were cast, and of the token of the revision."""
@@ -141,9 +174,10 @@ class Caster:
 
     def cast(self, rays: Source, progress: Progress, out: "Optional[Dict[str, Array]]" = None) -> Answered:
         """All rays of an array, or points of a grid. out: columns that are filled. ValueError: updates, with what one
-        message does not hold."""
-        if self._query.has_updates():
-            self._check_one_message(rays)
+        call does not hold."""
+        if self._query.has_updates() and self._query.kind == "all":
+            raise ValueError("apply does not go with kind='all': apply the changes first, and cast with "
+                             "revision=batch.applied.revision")
         self._begin()
         return self._completed(self._answers(self._query, rays, progress, out or {}), rays)
 
@@ -161,13 +195,27 @@ class Caster:
                 yield self._completed(collector.hits(piece.rays.shape, piece.rays, self._names), piece.rays)
                 collector = None
 
-    def _check_one_message(self, rays: Source) -> None:
-        if self._query.kind == "all":
-            raise ValueError("apply does not go with kind='all': apply the changes first, and cast with "
-                             "revision=batch.applied.revision")
+    def _apply(self, query: Query, rays: Source, collector: _PerRay) -> None:
+        """Applies the updates and casts, in one call."""
+        lost: Optional[BaseException] = None
+        for _ in range(_MOST_LOST):
+            error = _apply_through_segment(self._connection, query, rays, collector, self._rest())
+            if collector.filled == rays.count and collector.filled:
+                return
+            lost = error or lost
+            if error is None or rays.count <= self._limit:
+                break
         if rays.count > self._limit:
-            raise ValueError(f"apply goes with what one message holds, {self._limit} rays or points, not {rays.count}: "
-                             "apply the changes first, and cast with revision=batch.applied.revision")
+            if lost is not None:
+                raise errors.Unavailable(f"a cast with changes has lost its shared memory: {lost}") from lost
+            kind, reason = self._connection.segments.transport()
+            raise ValueError(f"apply goes with what one call holds, not with {rays.count} rays or points: {self._limit} in a "
+                             f"message, more through shared memory (here {kind}: {reason}); apply the changes first, and cast "
+                             "with revision=batch.applied.revision")
+        answer = cast_once(self._connection, query, rays, self._rest()) if isinstance(rays, Rows) else \
+            cast_generated_once(self._connection, query, rays, self._rest())
+        _check_applied(answer)
+        collector.add(rays.count, [answer])
 
     def _begin(self) -> None:
         now, budget = time.monotonic(), self._query.request.time_budget_ms
@@ -177,26 +225,25 @@ class Caster:
     def _answers(self, query: Query, rays: Source, progress: Progress,
                  out: "Dict[str, Array]") -> Answered:
         collector, size, begin = _collector(query, rays.count, out), min(self._limit, RAYS_PER_MESSAGE), 0
-        if isinstance(collector, _PerRay) and not query.has_updates():
+        if isinstance(collector, _PerRay) and query.has_updates():
+            self._apply(query, rays, collector)
+            progress(rays.count)
+            return collector.hits(rays.shape, rays, self._names)
+        if isinstance(collector, _PerRay):
             source = rays.message() if isinstance(rays, Generated) else rays
             _fill_through_segment(self._connection, query, source, rays.count, collector, self._rest(), progress)
             begin = collector.filled
             query = query.going_on(collector.revision, self._budget_end) if begin else query
         if begin == rays.count and begin:
             pass
-        elif isinstance(rays, Generated) and not query.has_updates():
+        elif isinstance(rays, Generated):
             for part, answers in self._stream(query, generated(rays, size, begin)):
                 collector.add(part.count, answers)
                 progress(part.count)
         elif not begin and rays.count <= self._limit and query.kind != "all":
-            answer = cast_once(self._connection, query, rays, self._rest()) if isinstance(rays, Rows) else \
-                cast_generated_once(self._connection, query, rays, self._rest())
-            if query.has_updates() and answer.applied is None:
-                raise errors.Unimplemented("the server is of a version that applies no updates with a cast, and has "
-                                           "applied none")
-            collector.add(rays.count, [answer])
+            collector.add(rays.count, [cast_once(self._connection, query, rays, self._rest())])
             progress(rays.count)
-        elif isinstance(rays, Rows):
+        else:
             for piece, answers in self._stream(query, pieces([rays], size, begin)):
                 collector.add(piece.end - piece.begin, answers)
                 progress(piece.end - piece.begin)

@@ -96,8 +96,11 @@ class SegmentColumns:
         self._regions: Optional[int] = None
         self._lock = threading.Lock()  # gRPC's threads may still make a message when its call is over
         self._is_over = False
-        copied = sum(column.row_bytes for column in self._copied().values())
-        self.message_rows = _message_rows(count, copied, most)
+        if query.has_updates():  # one call, or none
+            self._region_count, self.message_rows = 1, count if count <= most else 0
+        else:
+            copied = sum(column.row_bytes for column in self._copied().values())
+            self._region_count, self.message_rows = _REGIONS, _message_rows(count, copied, most)
         self._places: "Dict[str, int]" = {}  # of copied columns in a region
         self._region_size = 0
         for name, column in self._copied().items():
@@ -120,7 +123,7 @@ class SegmentColumns:
         self._answers.update((name, column) for name, column in stays.items() if name in self._answers)
 
     def _take(self, pool: Any, timeout: Optional[float]) -> bool:
-        self._pool, size = pool, _REGIONS * self._region_size
+        self._pool, size = pool, self._region_count * self._region_size
         if self._segment is None:
             found = pool.take(size, timeout)
             if found is not None:
@@ -136,7 +139,7 @@ class SegmentColumns:
         with self._lock:
             self._is_over = True
         if self._regions is not None and self._segment is not None:
-            self._segment.release(self._regions, _REGIONS * self._region_size)
+            self._segment.release(self._regions, self._region_count * self._region_size)
             self._regions = None
 
     def description(self) -> Any:
@@ -185,18 +188,24 @@ class SegmentColumns:
     def end_call(self, error: BaseException) -> None:
         """Raises the error that ended a call, unless the rows without an answer may go by messages."""
         segment = self._known()
-        if isinstance(error, errors.SightlineError) and error.reason:  # the server itself has ended it, after all of its work
+        # gRPC repeats calls with updates: the connection may have broken, and the segment ended with it, under a first one
+        # that still writes.
+        is_repeated = self._query.has_updates() and getattr(error, "reason", "") == "SEGMENT_NOT_FOUND"
+        # With a reason, the server itself has ended it, after all of its work.
+        if isinstance(error, errors.SightlineError) and error.reason and not is_repeated:
             if error.reason == "SEGMENT_NOT_FOUND":
                 self._pool.lose(segment)
             if error.retry_delay is None:
                 return
             raise error
-        is_broken = isinstance(error, (errors.Unavailable, errors.Unknown))
+        is_broken = is_repeated or isinstance(error, (errors.Unavailable, errors.Unknown))
         if segment.has_server_ended(_PROCESS_END if is_broken else 0):
             self._pool.lose(segment)
         else:
             segment.abandon()  # late answers must not reach the rows of another cast
             if any(column.offset is not None for column in self._answers.values()):
+                if is_repeated:
+                    raise errors.Unavailable("the segment of the answers has ended, or the connection: share new memory") from error
                 raise error
         if not isinstance(error, errors.SightlineError) or isinstance(error, (errors.Cancelled, errors.DeadlineExceeded)):
             raise error
@@ -209,7 +218,7 @@ class SegmentColumns:
         if column.offset is not None:
             return column.offset + piece.begin * column.row_bytes
         assert self._regions is not None
-        return self._regions + piece.number % _REGIONS * self._region_size + self._places[name]
+        return self._regions + piece.number % self._region_count * self._region_size + self._places[name]
 
     def _region(self, name: str, column: _Column, piece: SharedPiece) -> np.ndarray:
         count = (piece.end - piece.begin) * int(np.prod(column.row, dtype=int))

@@ -90,10 +90,11 @@ class RayQueries(Queried):
         answer's types; hit as uint8: 0 miss, 1 hit, 2 invalid, 4 unanswered. Not for "all", iterators and names.
         Together with rays in one SharedMemory, nothing is copied.
         apply: changes of the scene that are applied before, in the same call, all or none and once: an open batch of
-        this scene, or changes of sightline.updates. The rays, as many as one message holds and not of kind "all", are
-        answered at the revision that they make, and `applied` of the hits tells it; under and exclude are ids, or names
-        from before. If the call is refused, nothing was applied. After another error, such as Unavailable, that is not
-        known: the end of the batch applies what was not.
+        this scene, or changes of sightline.updates. The rays, as many as one call holds (16,384 in a message; through
+        shared memory 262,144, or 16,384 with names) and not of kind "all", are answered at the revision that they make,
+        and `applied` of the hits tells it; under and exclude are ids, or names from before. If the call is refused,
+        nothing was applied. After another error, such as Unavailable, that is not known: the end of the batch applies
+        what was not.
 
         Returns Hits, or AllHits for "all", with the leading shape of the rays. Errors: TypeError, ValueError (rays or
         words of another form), OutOfRange (the revision is not kept), DeadlineExceeded, ResourceExhausted (the server
