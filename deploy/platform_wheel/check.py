@@ -3,7 +3,7 @@
 import re
 
 from .commands import Failure, output_of
-from .libraries import needed, search_paths, system_libraries
+from .libraries import dynamic_section, system_libraries
 
 # From the programs in bin to their libraries. As an RPATH it holds for libraries' libraries too, and comes before
 # LD_LIBRARY_PATH, in which other environments have other versions.
@@ -15,13 +15,12 @@ def check_files(folder):
     programs, libraries = sorted((folder / "bin").iterdir()), sorted((folder / "lib").iterdir())
     present = {library.name for library in libraries} | system_libraries()
     for file in (*programs, *libraries):
-        left_out = [name for name in needed(file) if name not in present]
+        needed, paths = dynamic_section(file)
+        left_out = [name for name in needed if name not in present]
         if left_out:
             raise Failure(f"{file.name} needs {', '.join(left_out)}, which is left out")
-        paths = search_paths(file)
-        wanted = {"RPATH": SEARCH_PATH} if file in programs else {}
-        if paths != wanted:
-            raise Failure(f"{file.name} looks for libraries in {paths or 'the folders of the system'}, not in {wanted or 'those of the program'}")
+        if paths != ({"RPATH": SEARCH_PATH} if file in programs else {}):
+            raise Failure(f"{file.name} looks for libraries in {paths or 'the folders of the system'}, not the wheel's")
     for program in programs:
         check_loaded(program, folder / "lib")
 

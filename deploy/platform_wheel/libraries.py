@@ -3,6 +3,7 @@
 import functools
 import pathlib
 import re
+import subprocess
 
 from .commands import Failure, output_of
 
@@ -19,15 +20,25 @@ def system_libraries():
     return frozenset(pathlib.Path(file).name for file in files if re.search(r"\.so(\.\d+)*$", file))
 
 
-def package_of(file):
-    """The Debian package that a file belongs to. The database has paths as they were before /lib became a link to /usr/lib."""
-    spellings = dict.fromkeys(str(path) for path in (pathlib.Path(file), pathlib.Path(file).resolve()))
-    for path in [spelling for path in spellings for spelling in (path, path.removeprefix("/usr"), f"/usr{path}")]:
-        try:
-            return output_of("dpkg-query", "--search", path).split(":", 1)[0]
-        except Failure:
-            continue
-    raise Failure(f"{file} belongs to no Debian package, so that its licence is not known")
+def packages_of(files):
+    """The Debian packages that files belong to: {file: package}. The database has some paths as they were before /lib
+    became a link to /usr/lib."""
+    spellings = {}
+    for file in files:
+        for path in (str(file), str(pathlib.Path(file).resolve())):
+            for spelling in (path, path.removeprefix("/usr"), f"/usr{path}"):
+                spellings[spelling] = file
+    # It fails if one of the spellings is unknown.
+    said = subprocess.run(["dpkg-query", "--search", *spellings], capture_output=True, text=True, check=False).stdout
+    found = {}
+    for line in said.splitlines():
+        owners, _, path = line.rpartition(": ")
+        if path in spellings:
+            found[spellings[path]] = owners.split(",")[0].split(":")[0]
+    for file in files:
+        if file not in found:
+            raise Failure(f"{file} belongs to no Debian package, so that its licence is not known")
+    return found
 
 
 def loaded_by(program):
@@ -58,11 +69,7 @@ def bundled_by(programs):
     return {name: path for name, path in sorted(found.items()) if name not in system_libraries()}
 
 
-def needed(file):
-    """The names of the libraries that a file asks the loader for."""
-    return re.findall(r"\(NEEDED\).*\[(.*)\]", output_of("readelf", "--dynamic", "--wide", file))
-
-
-def search_paths(file):
-    """Where a file makes the loader look: {"RPATH" or "RUNPATH": path}."""
-    return dict(re.findall(r"\((RPATH|RUNPATH)\).*\[(.*)\]", output_of("readelf", "--dynamic", "--wide", file)))
+def dynamic_section(file):
+    """What a file asks of the loader: the names of libraries, and where to look: {"RPATH" or "RUNPATH": path}."""
+    text = output_of("readelf", "--dynamic", "--wide", file)
+    return re.findall(r"\(NEEDED\).*\[(.*)\]", text), dict(re.findall(r"\((RPATH|RUNPATH)\).*\[(.*)\]", text))

@@ -5,7 +5,7 @@ import re
 import shutil
 
 from .commands import Failure, output_of
-from .libraries import package_of
+from .libraries import packages_of
 
 DOCUMENTS = pathlib.Path("/usr/share/doc")
 COMMON = pathlib.Path("/usr/share/common-licenses")
@@ -14,13 +14,12 @@ HEADERS = ("/usr/include/CLI/CLI.hpp", "/usr/include/nlohmann/json.hpp", "/usr/i
 
 
 def write_licences(libraries, folder):
-    """Writes folder/PACKAGE/copyright for each package, the common licences that these name, and packages.csv, which says
-    which version of which package each library is of. libraries: {name: path}."""
-    of_package = {}
+    """Writes folder/PACKAGE/copyright for each package, the common licences that these name, and packages.csv: which
+    version of which package each library is of. libraries: {name: path}."""
+    packages = packages_of([*libraries.values(), *HEADERS])
+    of_package = {packages[header]: [] for header in HEADERS}
     for name, path in libraries.items():
-        of_package.setdefault(package_of(path), []).append(name)
-    for header in HEADERS:
-        of_package.setdefault(package_of(header), [])
+        of_package.setdefault(packages[path], []).append(name)
 
     common = set()
     rows = ["package,version,source,source_version,libraries"]

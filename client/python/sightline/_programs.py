@@ -13,8 +13,8 @@ _PACKAGES = {"sightlined": "sightline-server", "sightline": "sightline-client"}
 
 
 def find_program(name: str, given: Optional[str], variable: str) -> str:
-    """The path of `name`, which is sightlined or sightline: what was given, else what the environment's variable says, else
-    the program of the wheel, else the one in PATH. Error: FileNotFoundError, there is none."""
+    """The path of `name`, which is sightlined or sightline: what was given, else what the environment's variable says,
+    else the program of the wheel, else the one in PATH. Error: FileNotFoundError, there is none."""
     chosen = given or os.environ.get(variable)
     if chosen:
         found = shutil.which(chosen)
@@ -29,7 +29,7 @@ def find_program(name: str, given: Optional[str], variable: str) -> str:
     found = shutil.which(name)
     if found is None:
         raise FileNotFoundError(
-            f"there is no {name}: this package was installed without programs, and PATH has none. Install a wheel whose name "
-            f"has the platform in it (deploy/wheel makes one), or the Debian package {_PACKAGES[name]}; or set {variable} to "
-            f"the path of {name}")
+            f"there is no {name}: this package was installed without programs, and PATH has none. Install a wheel that "
+            f"has them (its name has the platform in it; deploy/wheel makes one), or the Debian package "
+            f"{_PACKAGES[name]}; or set {variable} to the path of {name}")
     return found

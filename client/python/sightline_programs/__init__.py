@@ -13,7 +13,7 @@ def _become(name: str) -> None:
     """Replaces this process, so that signals and the exit code are the program's own."""
     program = os.path.join(_BIN, name)
     if not os.access(program, os.X_OK):
-        sys.exit(f"{name}: {program} is missing or not executable: install the wheel by pip, which keeps the modes of files")
+        sys.exit(f"{name}: {program} is missing or not executable: install the wheel by pip, which keeps modes")
     os.execv(program, [name, *sys.argv[1:]])
 
 
