@@ -1,7 +1,7 @@
 # Sourced by clean_roots and bare_root: roots that have Debian's smallest system, in namespaces that end with the script. Needs root,
 # debootstrap and an archive of Debian (MIRROR names it).
 
-release=bookworm
+release=bookworm  # what make_bare_root and open_root are for; a script may change it between roots
 mirror="${MIRROR:-http://deb.debian.org/debian}"
 
 fail() { echo "failed: $*" >&2; exit 1; }
@@ -23,18 +23,18 @@ use_scratch() {
 }
 
 make_bare_root() {
-  if [[ -e "$scratch/bare/made" ]]; then return; fi
-  rm -rf "$scratch/bare"
-  debootstrap --variant=minbase "$release" "$scratch/bare" "$mirror" > "$scratch/debootstrap.log" ||
-    fail "debootstrap: see $scratch/debootstrap.log"
-  touch "$scratch/bare/made"
+  local bare="$scratch/bare_$release"
+  if [[ -e "$bare/made" ]]; then return; fi
+  rm -rf "$bare"
+  debootstrap --variant=minbase "$release" "$bare" "$mirror" > "$bare.log" || fail "debootstrap: see $bare.log"
+  touch "$bare/made"
 }
 
 # open_root NAME: a copy of the bare root that knows its packages, with what a container has mounted.
 open_root() {
   local root="$scratch/roots/$1"
   rm -rf --one-file-system "$root"
-  cp -a "$scratch/bare" "$root"
+  cp -a "$scratch/bare_$release" "$root"
   cp /etc/resolv.conf "$root/etc/resolv.conf"
   mount --bind "$root" "$root"  # unshare takes only what is mounted for the root of its namespaces
   mount -t proc proc "$root/proc"

@@ -5,13 +5,13 @@ from __future__ import annotations
 import atexit
 import os
 import pathlib
-import shutil
 import subprocess
 import tempfile
 import time
 from typing import Any, Iterable, Optional
 
 from . import errors
+from ._programs import find_program
 from .client import Client, connect
 
 # The shell starts the server and stops it when its own standard input ends, however this process ends.
@@ -86,14 +86,12 @@ def serve(program: Optional[str] = None, *, threads: Optional[int] = None, data_
           options: "Iterable[str]" = (), start_timeout: float = 30) -> Server:
     """Starts a server of one's own; `serve().client` is connected to it.
 
-    program: the path of sightlined; default: SIGHTLINED, else it is looked for in PATH. threads, data_dir: its flags;
-    without data_dir, scenes are in memory only. options: further flags. Errors: FileNotFoundError, there is no such
-    program; Unavailable, it ended at once, with what it printed; DeadlineExceeded, in seconds.
+    program: the path of sightlined; default: SIGHTLINED, else the one that this package was installed with, else it is looked
+    for in PATH. threads, data_dir: its flags; without data_dir, scenes are in memory only. options: further flags. Errors:
+    FileNotFoundError, there is no such program; Unavailable, it ended at once, with what it printed; DeadlineExceeded, in
+    seconds.
     """
-    name = program or os.environ.get("SIGHTLINED") or "sightlined"
-    found = shutil.which(name)
-    if found is None:
-        raise FileNotFoundError(f"{name} is not a program: set SIGHTLINED to the path of sightlined")
+    found = find_program("sightlined", program, "SIGHTLINED")
     flags = list(options)
     if threads is not None:
         flags += ["--threads", str(threads)]
