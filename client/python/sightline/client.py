@@ -187,9 +187,9 @@ class Client:
         before anything is sent, and the scene appears in one step. `replace`: in the place of one of this name.
         allow_empty: also if no ray can hit anything. up_axis, meters_per_unit: where the file says otherwise the scene
         is turned or scaled to them. mobility: of all nodes. timeout: seconds for each call. program: the path of
-        sightline; default: SIGHTLINE, else the wheel's own, else the one in PATH. Errors: FileNotFoundError, there is no such program or
-        file; InvalidArgument, the file cannot be read; ValueError, a word that the command does not know;
-        AlreadyExists, ResourceExhausted. Warnings: FileWarning, what was left out or changed.
+        sightline; default: SIGHTLINE, else the wheel's own, else the one in PATH. Errors: FileNotFoundError, there is no
+        such program or file; InvalidArgument, the file cannot be read; ValueError, a word that the command does not
+        know; AlreadyExists, ResourceExhausted. Warnings: FileWarning, what was left out or changed.
         """
         made = _new_scene(name, up_axis, meters_per_unit or 0)
         if mobility is not None:
