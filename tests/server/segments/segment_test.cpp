@@ -4,19 +4,25 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <string>
+#include <utility>
+#include <vector>
+
+#include "server/exec/call_registry.h"
+#include "tests/server/support/shared_segment.h"
 
 namespace sightline::server::segments {
 namespace {
 
+using tests::pages_of;
+
 class SegmentTest : public testing::Test {
  protected:
   std::shared_ptr<const Segment> make(std::uint64_t bytes) {
-    auto held = bytes_.hold({"a", "a:1"}, bytes);
+    auto held = account_.hold({"a", "a:1"}, bytes);
     EXPECT_TRUE(held);
     auto made = Segment::make(bytes, "a", std::move(*held));
     EXPECT_TRUE(made) << (made ? "" : made.error().message);
@@ -24,14 +30,8 @@ class SegmentTest : public testing::Test {
   }
 
   exec::MemoryAccount memory_{std::uint64_t{64} << 20};
-  SegmentBytes bytes_{memory_};
+  SegmentAccount account_{memory_};
 };
-
-std::uint64_t pages_of(int descriptor) {
-  struct stat found {};
-  EXPECT_EQ(fstat(descriptor, &found), 0);
-  return static_cast<std::uint64_t>(found.st_blocks) * 512 / page_size();
-}
 
 TEST_F(SegmentTest, HasItsPagesFromTheBeginning) {
   const auto segment = make(16 * page_size());
@@ -96,28 +96,69 @@ TEST_F(SegmentTest, LeavesToAClientWhatItHasMapped) {
   munmap(mapped, 16 * page_size());
 }
 
+TEST_F(SegmentTest, TakesItsPagesFromAClientThatIsGone) {
+  auto segment = make(16 * page_size());
+  segment->write(0, "four", 4);
+  const net::Descriptor kept(dup(segment->descriptor()));
+  char* const mapped = static_cast<char*>(
+      mmap(nullptr, segment->size(), PROT_READ | PROT_WRITE, MAP_SHARED, kept.number(), 0));
+  ASSERT_NE(mapped, MAP_FAILED);
+  segment->note_client_gone();
+  EXPECT_EQ(mapped[0], 'f') << "a cast may be at it";
+  EXPECT_EQ(pages_of(kept.number()), 16u);
+  segment.reset();
+  EXPECT_EQ(memory_.used(), 0u);
+  EXPECT_EQ(pages_of(kept.number()), 0u);
+  EXPECT_EQ(mapped[0], '\0');
+  mapped[0] = 'x';  // a page of its own
+  EXPECT_EQ(pages_of(kept.number()), 1u);
+  munmap(mapped, 16 * page_size());
+}
+
 TEST_F(SegmentTest, APrincipalHasAShareOfTheBytes) {
   const std::uint64_t all = memory_.limit() / kShareOfLimit;
-  EXPECT_LT(bytes_.share(), all);
-  auto most = bytes_.hold({"a", "a:1"}, bytes_.share());
+  EXPECT_LT(account_.share(), all);
+  auto most = account_.hold({"a", "a:1"}, account_.share());
   ASSERT_TRUE(most);
-  const auto more = bytes_.hold({"a", "a:2"}, 1);
+  const auto more = account_.hold({"a", "a:2"}, 1);
   ASSERT_FALSE(more);
   EXPECT_EQ(more.error().code, Code::kResourceExhausted);
   EXPECT_EQ(more.error().reason, exec::kMemoryBudget);
-  EXPECT_NE(more.error().message.find(std::to_string(bytes_.share())), std::string::npos);
-  EXPECT_TRUE(bytes_.hold({"b", "b:1"}, all - bytes_.share()));
-  const auto beyond = bytes_.hold({"b", "b:1"}, all - bytes_.share() + 1);
+  EXPECT_NE(more.error().message.find(std::to_string(account_.share())), std::string::npos);
+  EXPECT_TRUE(account_.hold({"b", "b:1"}, all - account_.share()));
+  const auto beyond = account_.hold({"b", "b:1"}, all - account_.share() + 1);
   ASSERT_FALSE(beyond);
-  EXPECT_EQ(memory_.used(), bytes_.share());
+  EXPECT_EQ(memory_.used(), account_.share());
   *most = {};
   EXPECT_EQ(memory_.used(), 0u);
-  EXPECT_TRUE(bytes_.hold({"a", "a:1"}, 1));
+  EXPECT_TRUE(account_.hold({"a", "a:1"}, 1));
+}
+
+TEST_F(SegmentTest, APrincipalHasAShareOfTheNumber) {
+  const auto limits = exec::ShareLimits::of(kMaxSegments, exec::kConnectionCallShare);
+  std::vector<SegmentAccount::Held> held;
+  for (std::size_t i = 0; i < limits.principal; ++i) {
+    const std::string connection = "a:" + std::to_string(i / limits.connection);
+    auto one = account_.hold({"a", connection}, 1);
+    ASSERT_TRUE(one) << i;
+    held.push_back(std::move(*one));
+  }
+  EXPECT_EQ(account_.count(), limits.principal);
+  const auto refused = account_.hold({"a", "a:new"}, 1);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Code::kResourceExhausted);
+  EXPECT_EQ(refused.error().reason, kTooManySegments);
+  EXPECT_NE(refused.error().message.find(std::to_string(limits.principal)), std::string::npos);
+  EXPECT_TRUE(account_.hold({"b", "b:1"}, 1));
+  held.pop_back();
+  EXPECT_TRUE(account_.hold({"a", "a:new"}, 1));
+  held.clear();
+  EXPECT_EQ(account_.count(), 0u);
 }
 
 TEST_F(SegmentTest, IsRefusedWhereTheBudgetIsUsedUp) {
   const auto others = memory_.record(exec::Held::kMeshes, memory_.limit());
-  const auto refused = bytes_.hold({"a", "a:1"}, page_size());
+  const auto refused = account_.hold({"a", "a:1"}, page_size());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().reason, exec::kMemoryBudget);
   EXPECT_EQ(memory_.used(exec::Held::kSegments), 0u);
