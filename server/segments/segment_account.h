@@ -46,7 +46,7 @@ class SegmentAccount {
     exec::MemoryAccount::Charge charge_;
   };
 
-  /// For one segment of so many bytes. May take long: what can be rebuilt is dropped to make room.
+  /// For one segment of `bytes`. May take long: what can be rebuilt is dropped to make room.
   /// Errors: kResourceExhausted, naming the limit of the server or of the caller's share.
   Result<Held> hold(const exec::Caller& caller, std::uint64_t bytes);
 

@@ -34,7 +34,7 @@ class HandoverTest : public testing::Test {
     ASSERT_TRUE(taken);
     EXPECT_EQ(lseek(taken.descriptor.number(), 0, SEEK_END), static_cast<off_t>(segment_->size()));
   }
-  /// Until the segment has so many owners.
+  /// Until the segment has this number of owners.
   void wait_for_users(long users) {
     while (segment_.use_count() != users) std::this_thread::yield();
   }
