@@ -17,9 +17,9 @@ namespace sightline::server::segments {
 /// access fails, whatever a client does with the descriptor. A client may write any byte at any
 /// time: what is read is copied first, and what is written is not read back.
 ///
-/// The pages go back to the system when the segment ends and its client is gone, whoever still has
-/// them mapped. Where the segment ends and its client is not gone, as the server ends, they stay
-/// what they are as long as they are mapped: they are the arrays of an honest client.
+/// The pages go back to the system when the segment ends and its client is gone, even if a process
+/// still has them mapped. Where the server ends before its client, they stay what they are as long
+/// as they are mapped: they are the arrays of an honest client.
 ///
 /// Threads: any, for every member.
 class Segment {
