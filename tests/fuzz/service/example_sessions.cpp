@@ -209,17 +209,17 @@ std::vector<FuzzCall> casts() {
   return made;
 }
 
-/// A request with its rays, or its points, and its answer in the segment, the answer at `place`.
+/// A request with its rays, or its points, and its answer in the segment, the answer at `offset`.
 template <class Request>
-std::string in_segment(Request request, bool has_rows, std::uint64_t place) {
+std::string in_segment(Request request, bool has_rows, std::uint64_t offset) {
   constexpr std::uint64_t kColumnBytes = 8 * kSegmentRows;
   request.set_segment(kFuzzSegment);
   request.set_kind(v1::QUERY_KIND_CLOSEST);
   for (const v1::HitField field : {v1::HIT_FIELD_T, v1::HIT_FIELD_NODE, v1::HIT_FIELD_HIT}) {
     v1::SharedColumn& column = *request.add_answer();
     column.set_field(field);
-    column.set_offset(place);
-    place += kColumnBytes;
+    column.set_offset(offset);
+    offset += kColumnBytes;
   }
   if (!has_rows) return request.SerializeAsString();
   auto& shared = *request.mutable_shared();
@@ -244,9 +244,9 @@ std::vector<FuzzCall> casts_in_a_segment() {
   made.push_back(call("QueryPoints", {in_segment(near, true, kAnswer)}));
   made.push_back(call("QueryPoints", {in_segment(grid(), false, kOther)}));
   std::vector<std::string> stream;
-  for (const std::uint64_t place : {kAnswer, kOther}) {
+  for (const std::uint64_t offset : {kAnswer, kOther}) {
     stream.push_back(message<v1::StreamCastRaysRequest>([&](auto& request) {
-      request.mutable_request()->ParseFromString(in_segment(rays, true, place));
+      request.mutable_request()->ParseFromString(in_segment(rays, true, offset));
     }));
   }
   made.push_back(call("StreamCastRays", std::move(stream)));
