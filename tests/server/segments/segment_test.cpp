@@ -9,9 +9,7 @@
 #include <cerrno>
 #include <string>
 #include <utility>
-#include <vector>
 
-#include "server/exec/call_registry.h"
 #include "tests/server/support/shared_segment.h"
 
 namespace sightline::server::segments {
@@ -113,55 +111,6 @@ TEST_F(SegmentTest, TakesItsPagesFromAClientThatIsGone) {
   mapped[0] = 'x';  // a page of its own
   EXPECT_EQ(pages_of(kept.number()), 1u);
   munmap(mapped, 16 * page_size());
-}
-
-TEST_F(SegmentTest, APrincipalHasAShareOfTheBytes) {
-  const std::uint64_t all = memory_.limit() / kShareOfLimit;
-  EXPECT_LT(account_.share(), all);
-  auto most = account_.hold({"a", "a:1"}, account_.share());
-  ASSERT_TRUE(most);
-  const auto more = account_.hold({"a", "a:2"}, 1);
-  ASSERT_FALSE(more);
-  EXPECT_EQ(more.error().code, Code::kResourceExhausted);
-  EXPECT_EQ(more.error().reason, exec::kMemoryBudget);
-  EXPECT_NE(more.error().message.find(std::to_string(account_.share())), std::string::npos);
-  EXPECT_TRUE(account_.hold({"b", "b:1"}, all - account_.share()));
-  const auto beyond = account_.hold({"b", "b:1"}, all - account_.share() + 1);
-  ASSERT_FALSE(beyond);
-  EXPECT_EQ(memory_.used(), account_.share());
-  *most = {};
-  EXPECT_EQ(memory_.used(), 0u);
-  EXPECT_TRUE(account_.hold({"a", "a:1"}, 1));
-}
-
-TEST_F(SegmentTest, APrincipalHasAShareOfTheNumber) {
-  const auto limits = exec::ShareLimits::of(kMaxSegments, exec::kConnectionCallShare);
-  std::vector<SegmentAccount::Held> held;
-  for (std::size_t i = 0; i < limits.principal; ++i) {
-    const std::string connection = "a:" + std::to_string(i / limits.connection);
-    auto one = account_.hold({"a", connection}, 1);
-    ASSERT_TRUE(one) << i;
-    held.push_back(std::move(*one));
-  }
-  EXPECT_EQ(account_.count(), limits.principal);
-  const auto refused = account_.hold({"a", "a:new"}, 1);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, Code::kResourceExhausted);
-  EXPECT_EQ(refused.error().reason, kTooManySegments);
-  EXPECT_NE(refused.error().message.find(std::to_string(limits.principal)), std::string::npos);
-  EXPECT_TRUE(account_.hold({"b", "b:1"}, 1));
-  held.pop_back();
-  EXPECT_TRUE(account_.hold({"a", "a:new"}, 1));
-  held.clear();
-  EXPECT_EQ(account_.count(), 0u);
-}
-
-TEST_F(SegmentTest, IsRefusedWhereTheBudgetIsUsedUp) {
-  const auto others = memory_.record(exec::Held::kMeshes, memory_.limit());
-  const auto refused = account_.hold({"a", "a:1"}, page_size());
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().reason, exec::kMemoryBudget);
-  EXPECT_EQ(memory_.used(exec::Held::kSegments), 0u);
 }
 
 }  // namespace
