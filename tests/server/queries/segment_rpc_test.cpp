@@ -112,7 +112,9 @@ TEST_F(SegmentRpcTest, BoundsTheSegmentsThatHaveEndedAndAreMapped) {
   for (TakenSegment& one : taken) one.connection = server::net::Descriptor();
   wait_until_given_back();
   for (const TakenSegment& one : taken) EXPECT_EQ(pages_of(one.descriptor.number()), 0u);
-  EXPECT_EQ(open_and_end(one_more), "");
+  std::string last = "TOO_MANY_SEGMENTS";  // until the server has forgotten the last refused call
+  while (last == "TOO_MANY_SEGMENTS") last = open_and_end(one_more);
+  EXPECT_EQ(last, "");
 }
 
 TEST_F(SegmentRpcTest, ClientsThatLeaveAtAnyTimeLeaveNothing) {
