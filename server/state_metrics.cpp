@@ -148,8 +148,9 @@ void StateMetrics::add_to(Samples& samples) const {
   add_queues(samples, admission, unread);
   add_ended(samples, ended);
   add_quotas(samples, quotas.tallies());
-  samples.add_gauge("segments", "Memory that clients share with the server: open segments.",
-                    number(segments.calls().open()));
+  samples.add_gauge("segments",
+                    "Memory that clients share with the server: segments, until they are unmapped.",
+                    number(segments.count()));
   samples.add_counter("tree_evictions_total", "Scenes and meshes whose trees were dropped.",
                       number(reclaimer.evictions()));
   samples.add_counter("scenes_unloaded_total", "Scenes that are read again when they are used.",

@@ -8,7 +8,8 @@
 namespace sightline::client::calls {
 
 Segment::Segment(ReceivedSegment received, std::unique_ptr<SegmentCall> call, std::string reason)
-    : memory_(std::move(received.memory)),
+    : connection_(std::move(received.connection)),
+      memory_(std::move(received.memory)),
       server_(std::move(received.server)),
       call_(std::move(call)),
       name_(call_ == nullptr ? std::string() : call_->opened().segment()),
@@ -38,7 +39,7 @@ Result<std::shared_ptr<Segment>> Segment::unshared(std::uint64_t bytes, std::str
   auto memory = Mapping::anonymous(bytes);
   if (!memory) return memory.error();
   return std::shared_ptr<Segment>(
-      new Segment({*std::move(memory), {}}, nullptr, std::move(reason)));
+      new Segment({Descriptor(), *std::move(memory), {}}, nullptr, std::move(reason)));
 }
 
 std::string Segment::why_not_shared() const {

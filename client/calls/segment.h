@@ -12,6 +12,7 @@
 #include <string>
 
 #include "client/calls/block_list.h"
+#include "client/calls/descriptor.h"
 #include "client/calls/segment_call.h"
 #include "client/calls/segment_handover.h"
 #include "client/result.h"
@@ -64,6 +65,7 @@ class Segment : public std::enable_shared_from_this<Segment> {
 
   Segment(ReceivedSegment received, std::unique_ptr<SegmentCall> call, std::string reason);
 
+  const Descriptor connection_;  ///< Closed when memory_ is unmapped. None if it was never shared.
   const Mapping memory_;
   const ServerProcess server_;
   const std::unique_ptr<SegmentCall> call_;  ///< Null if it was never shared.

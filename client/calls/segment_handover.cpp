@@ -143,7 +143,7 @@ Result<ReceivedSegment> receive_segment(const std::string& socket, const std::st
                              socket.size(), kLongestName, key.size(), kKeyBytes),
                  {}};
   }
-  const auto connection = connect_to(socket, deadline);
+  auto connection = connect_to(socket, deadline);
   if (!connection) return connection.error();
   const ssize_t sent =
       restarted([&] { return send(connection->number(), key.data(), key.size(), MSG_NOSIGNAL); });
@@ -154,7 +154,8 @@ Result<ReceivedSegment> receive_segment(const std::string& socket, const std::st
   if (!segment) return segment.error();
   auto memory = Mapping::of_segment(segment->number(), bytes);
   if (!memory) return memory.error();
-  return ReceivedSegment{*std::move(memory), ServerProcess::of_peer(connection->number())};
+  auto server = ServerProcess::of_peer(connection->number());
+  return ReceivedSegment{*std::move(connection), *std::move(memory), std::move(server)};
 }
 
 }  // namespace sightline::client::calls

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "client/calls/descriptor.h"
 #include "client/calls/server_process.h"
 #include "client/result.h"
 
@@ -35,6 +36,9 @@ class Mapping {
 };
 
 struct ReceivedSegment {
+  /// Open as long as the memory is mapped: where it is closed, and the call of the segment has
+  /// ended, the server takes the pages back, which then read as zeros.
+  Descriptor connection;
   Mapping memory;
   ServerProcess server;
 };

@@ -27,9 +27,9 @@
 namespace sightline::server::net {
 namespace {
 
-/// File descriptors that are not connections of clients: 80, and those of 64 segments and of 32
-/// connections that ask for them.
-constexpr std::size_t kOwnFiles = 180;
+/// File descriptors that are not connections of clients: 80, and those of 64 segments, of the
+/// connections by which their clients have them, and of 32 that ask for one.
+constexpr std::size_t kOwnFiles = 240;
 constexpr std::size_t kFilesPerConnection = 2;
 constexpr std::size_t kMaxConnections = 10'000;
 

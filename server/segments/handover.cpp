@@ -52,9 +52,8 @@ net::Descriptor listen_at(const std::string& name) {
   return made;
 }
 
-/// One byte with a descriptor. The room of a new connection always takes it; a peer that is gone
-/// does not matter.
-void send_descriptor(int connection, int descriptor) {
+/// One byte with a descriptor, which the room of a new connection takes. Returns whether it did.
+bool send_descriptor(int connection, int descriptor) {
   char byte = 0;
   iovec data{&byte, 1};
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof descriptor)> control{};
@@ -68,7 +67,16 @@ void send_descriptor(int connection, int descriptor) {
   rights->cmsg_type = SCM_RIGHTS;
   rights->cmsg_len = CMSG_LEN(sizeof descriptor);
   std::memcpy(CMSG_DATA(rights), &descriptor, sizeof descriptor);
-  sendmsg(connection, &message, MSG_NOSIGNAL | MSG_DONTWAIT);
+  return sendmsg(connection, &message, MSG_NOSIGNAL | MSG_DONTWAIT) == 1;
+}
+
+/// Lets the peer send nothing more, and drops what it has sent. A peer could have sent a descriptor
+/// of its own end, which would keep the connection open when the peer is gone.
+void refuse_input(int connection) {
+  shutdown(connection, SHUT_RD);
+  std::array<char, 4096> dropped{};
+  while (recv(connection, dropped.data(), dropped.size(), MSG_DONTWAIT) > 0) {
+  }
 }
 
 }  // namespace
@@ -97,9 +105,12 @@ void Handover::run() {
   for (;;) {
     polled.assign({{wake_.number(), POLLIN, 0}, {listener_.number(), POLLIN, 0}});
     for (const Waiting& one : waiting_) polled.push_back({one.connection.number(), POLLIN, 0});
+    // Of these only the end is told.
+    for (const Served& one : served_) polled.push_back({one.connection.number(), 0, 0});
     if (poll(polled.data(), polled.size(), wait_ms()) < 0 && errno != EINTR)
       throw std::system_error(errno, std::generic_category(), "poll");
     if (polled[0].revents != 0) return;
+    let_go(std::span(polled).last(served_.size()));
     const auto now = Clock::now();
     std::erase_if(waiting_, [&](Waiting& one) { return serve(one) || one.until <= now; });
     if (polled[1].revents != 0) accept_some();
@@ -140,7 +151,7 @@ void Handover::take(net::Descriptor connection) try {
 }
 
 /// Reads the bytes of the key that are there, and answers if that is all of it. Returns whether the
-/// connection is done with.
+/// connection waits no longer.
 bool Handover::serve(Waiting& one) {
   const std::span left = std::span(one.key).subspan(one.received);
   const ssize_t size = recv(one.connection.number(), left.data(), left.size(), MSG_DONTWAIT);
@@ -148,9 +159,25 @@ bool Handover::serve(Waiting& one) {
   if (size == 0) return true;
   one.received += static_cast<std::size_t>(size);
   if (one.received < one.key.size()) return false;
-  if (const auto segment = keys_.take(one.key))
-    send_descriptor(one.connection.number(), segment->descriptor());
+  auto segment = keys_.take(one.key);
+  if (segment == nullptr) return true;
+  served_.push_back({std::move(one.connection), std::move(segment)});
+  const Served& served = served_.back();
+  refuse_input(served.connection.number());
+  if (!send_descriptor(served.connection.number(), served.segment->descriptor()))
+    served_.pop_back();
   return true;
+}
+
+/// Forgets the clients that have closed their connections. Segments whose calls have ended end with
+/// them.
+void Handover::let_go(std::span<const pollfd> of_served) {
+  auto polled = of_served.begin();
+  std::erase_if(served_, [&](const Served& one) {
+    if ((polled++)->revents == 0) return false;
+    one.segment->note_client_gone();
+    return true;
+  });
 }
 
 /// Closes the oldest connection of the user who has most, the new one's included.

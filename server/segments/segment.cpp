@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -23,11 +24,11 @@ Error out_of_memory(const char* call, std::uint64_t bytes) {
           "NO_SEGMENT_MEMORY"};
 }
 
-/// Gives the file all its pages, so that want of memory is an error here, and not a signal later.
-int allocate(int descriptor, std::uint64_t bytes) {
+/// Gives the file all its pages, or, by its mode, takes them. Returns 0, or -1 and errno.
+int change_pages(int descriptor, int mode, std::uint64_t bytes) {
   int failed = 0;
   do {
-    failed = fallocate(descriptor, 0, 0, static_cast<off_t>(bytes));
+    failed = fallocate(descriptor, mode, 0, static_cast<off_t>(bytes));
   } while (failed != 0 && errno == EINTR);
   return failed;
 }
@@ -40,13 +41,14 @@ std::uint64_t page_size() {
 }
 
 Result<std::shared_ptr<const Segment>> Segment::make(std::uint64_t bytes, std::string principal,
-                                                     SegmentBytes::Held held) {
+                                                     SegmentAccount::Held held) {
   assert(bytes > 0 && bytes % page_size() == 0);
   net::Descriptor made(memfd_create("sightline-segment", MFD_CLOEXEC | MFD_ALLOW_SEALING));
   if (!made) return out_of_memory("memfd_create", bytes);
   if (ftruncate(made.number(), static_cast<off_t>(bytes)) != 0)
     return out_of_memory("ftruncate", bytes);
-  if (allocate(made.number(), bytes) != 0) return out_of_memory("fallocate", bytes);
+  // Want of memory is an error here, and not a signal later.
+  if (change_pages(made.number(), 0, bytes) != 0) return out_of_memory("fallocate", bytes);
   if (fcntl(made.number(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0)
     return out_of_memory("F_ADD_SEALS", bytes);
   void* const data =
@@ -57,14 +59,21 @@ Result<std::shared_ptr<const Segment>> Segment::make(std::uint64_t bytes, std::s
 }
 
 Segment::Segment(net::Descriptor descriptor, std::byte* data, std::uint64_t size,
-                 std::string principal, SegmentBytes::Held held)
+                 std::string principal, SegmentAccount::Held held)
     : held_(std::move(held)),
       descriptor_(std::move(descriptor)),
       data_(data),
       size_(size),
       principal_(std::move(principal)) {}
 
-Segment::~Segment() { munmap(data_, size_); }
+Segment::~Segment() {
+  munmap(data_, size_);
+  constexpr int kTake = FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE;
+  if (is_client_gone_ && change_pages(descriptor_.number(), kTake, size_) != 0) {
+    spdlog::warn("event=segment_not_given_back bytes={} reason=\"{}\"", size_,
+                 std::generic_category().message(errno));
+  }
+}
 
 bool Segment::is_safe() {
   int overcommit = 0;

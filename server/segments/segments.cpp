@@ -24,10 +24,10 @@ Error not_offered(std::string_view to) {
 
 Segments::Segments(exec::MemoryAccount& memory, Offer offer)
     : offer_(offer),
-      bytes_(memory),
+      account_(memory),
       calls_({.limit = kMaxSegments,
               .when_full = "{} segments are open on the server",
-              .full_reason = "TOO_MANY_SEGMENTS"}) {
+              .full_reason = kTooManySegments}) {
   if (offer_ == Offer::kOff) return;
   if (!Segment::is_safe()) {
     spdlog::warn("event=no_segments reason=\"vm.overcommit_memory is 2\"");
@@ -50,7 +50,7 @@ Status Segments::check_offered(std::string_view peer) const {
 }
 
 std::uint64_t Segments::most() const {
-  const std::uint64_t bytes = std::min(kMaxSegmentBytes, bytes_.share());
+  const std::uint64_t bytes = std::min(kMaxSegmentBytes, account_.share());
   return bytes / page_size() * page_size();
 }
 
@@ -67,7 +67,7 @@ Result<Segments::Opened> Segments::open(const exec::Caller& caller, std::uint64_
                  "SEGMENT_TOO_LARGE"};
   }
   const std::uint64_t size = (bytes + page_size() - 1) / page_size() * page_size();
-  auto held = bytes_.hold(caller, size);
+  auto held = account_.hold(caller, size);
   if (!held) return held.error();
   auto segment = Segment::make(size, caller.principal, std::move(*held));
   if (!segment) return segment.error();

@@ -18,13 +18,10 @@
 #include "server/segments/handover_keys.h"
 #include "server/segments/offer.h"
 #include "server/segments/segment.h"
-#include "server/segments/segment_bytes.h"
+#include "server/segments/segment_account.h"
 
 namespace sightline::server::segments {
 
-/// Segments that are open on the whole server. Each has an open call, a file descriptor and a
-/// mapping; a process needs one for each connection that casts.
-inline constexpr std::size_t kMaxSegments = 64;
 /// Bytes of one segment. Two requests of the most rays, with every column in float64 and every
 /// field, take 74 MiB: a client fills one while the server answers the other.
 inline constexpr std::uint64_t kMaxSegmentBytes = std::uint64_t{128} << 20;
@@ -46,10 +43,12 @@ class Segments {
     std::string name;
     HandoverKeys::Key key{};
   };
-  /// Makes a segment of at least this many bytes, which lives until close() and its last user. May
-  /// take long. Errors: kInvalidArgument (no bytes), kResourceExhausted.
+  /// Makes a segment of at least this many bytes, which lives until close(), the end of the
+  /// connection by which its client has it, and its last user. May take long. Errors:
+  /// kInvalidArgument (no bytes), kResourceExhausted.
   Result<Opened> open(const exec::Caller& caller, std::uint64_t bytes);
-  /// From now on no request finds the segment. Does nothing for a name that is not open.
+  /// From now on no request finds the segment. Does nothing for a name that is not open. May take
+  /// long, as the pages go back.
   void close(const std::string& name);
 
   /// The open segment of this name and principal, for a request that uses it until it is answered.
@@ -61,6 +60,8 @@ class Segments {
   /// The name of the socket at which keys are taken, without the zero byte before it. Some segment
   /// was opened.
   const std::string& socket() const { return handover_->name(); }
+  /// Segments that hold memory, those that have ended and are still mapped included.
+  std::size_t count() const { return account_.count(); }
   /// The calls that keep segments open.
   exec::CallRegistry& calls() { return calls_; }
   const exec::CallRegistry& calls() const { return calls_; }
@@ -69,7 +70,7 @@ class Segments {
   std::uint64_t most() const;
 
   Offer offer_;  // kOff, if the system does not let it
-  SegmentBytes bytes_;
+  SegmentAccount account_;
   exec::CallRegistry calls_;
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<const Segment>> open_;  // protected by mutex_

@@ -13,6 +13,7 @@ from truth import Truth
 
 _CASTERS = 2      # for each endpoint
 _SEEDS = 8        # sets of rays
+_REPEATED = 4     # one of four batches with rays is sent twice
 _PAUSE = 0.02     # seconds between two calls of a client, which share the cores with the cluster
 RAYS = {seed: world.make_rays(seed) for seed in range(_SEEDS)}
 
@@ -100,12 +101,25 @@ class Writer(Client):
 
 
 class CastingWriter(Writer):
-    """The same with rays in the request, which see the batch."""
+    """The same with rays in the request, which see the batch. Every few of them are sent again when they are acknowledged, as by a
+    client that has not heard it: that may make no other revision."""
 
     def _step(self):
         self._sequence += 1
+        request_id = uuid.uuid4().hex
+        made = self._cast(request_id, 0)
+        if made is not None:
+            self._load.truth.acknowledge(self._number, self._sequence, made.revision, made.revision, made.token)
+            self._done()
+            if self._sequence % _REPEATED == 0:
+                self._cast(request_id, made.revision)
+        time.sleep(_PAUSE)
+
+    def _cast(self, request_id, least):
+        """What the batch came to, at `least` or later. None: the load has ended before."""
         seed, scene = self._sequence % _SEEDS, self._client.scene(self._scene)
         batch = scene.batch()
+        batch._id = request_id
         batch.add(updates.set_transforms(self._nodes, world.transforms(self._number, self._sequence)), [])
         while not self._load.gives_up:
             started = time.monotonic()
@@ -115,12 +129,9 @@ class CastingWriter(Writer):
                 self._fail(error)
                 time.sleep(_PAUSE)
                 continue
-            made = hits.applied
-            self._load.truth.acknowledge(self._number, self._sequence, made.revision, made.revision, made.token)
-            self._load.truth.answer(seed, hits, started, made.revision)
-            self._done()
-            break
-        time.sleep(_PAUSE)
+            self._load.truth.answer(seed, hits, started, max(least, hits.applied.revision))
+            return hits.applied
+        return None
 
 
 class StreamWriter(Writer):
@@ -150,6 +161,10 @@ class StreamWriter(Writer):
         time.sleep(_PAUSE)
 
 
+_WRITERS = (StreamWriter, Writer, CastingWriter, CastingWriter)
+assert len(_WRITERS) == world.WRITERS
+
+
 class Load:
     """All clients, on a new scene. `balanced` and `listed` are endpoints: HAProxy, and the replicas themselves."""
 
@@ -161,9 +176,8 @@ class Load:
         for what, endpoint in (("haproxy", balanced), ("list", listed)):
             self.clients += [Caster(self, endpoint, f"cast/{what}", number) for number in range(_CASTERS)]
         for number in range(world.WRITERS):
-            kind = StreamWriter if number < world.STREAMS else (CastingWriter, Writer)[number % 2]
             what, endpoint = (("list", listed), ("haproxy", balanced))[number % 2]
-            self.clients.append(kind(self, endpoint, f"update/{what}", number))
+            self.clients.append(_WRITERS[number](self, endpoint, f"update/{what}", number))
 
     def start(self):
         for client in self.clients:

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-STREAMS = 1            # writers that send their batches over a stream; the others send single requests
 WRITERS = 4
 BOXES = 8              # of each writer, which moves all of them in each batch
 RAYS = 128

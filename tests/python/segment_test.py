@@ -49,6 +49,7 @@ class HandoverTest(unittest.TestCase):
     """What a client takes from the socket of a server."""
 
     def receive(self, files, size=4096):
+        """`thread` is that of the server, and ends when the client has closed its connection."""
         listener = socket.socket(socket.AF_UNIX)
         listener.bind("")  # an abstract name that the system chooses
         listener.listen()
@@ -57,18 +58,16 @@ class HandoverTest(unittest.TestCase):
             caller, _ = listener.accept()
             caller.recv(32, socket.MSG_WAITALL)
             socket.send_fds(caller, [b"."], files)
+            self.assertEqual(caller.recv(1), b"", "the client closes it")
             caller.close()
-
-        thread = threading.Thread(target=serve)
-        thread.start()
-        try:
-            memory, process = _segment._receive(listener.getsockname()[1:], b"k" * 32, size, 60)
-            if process is not None:
-                os.close(process)
-            return memory
-        finally:
-            thread.join()
             listener.close()
+
+        self.thread = threading.Thread(target=serve)
+        self.thread.start()
+        memory, process = _segment._receive(listener.getsockname()[1:], b"k" * 32, size, 60)
+        if process is not None:
+            os.close(process)
+        return memory
 
     def memfd(self, size, seals):
         import fcntl
@@ -84,14 +83,29 @@ class HandoverTest(unittest.TestCase):
         memory = self.receive([sealed])
         memory[4095] = 42
         self.assertEqual(os.pread(sealed, 1, 4095), b"*")
+        del memory
+        self.thread.join()
         for files in ([small], [open_file], [], [sealed, sealed]):
             with self.assertRaises(errors.Unavailable):
                 self.receive(files)
+            self.thread.join()
         for name, key in ((b"", b"k" * 32), (b"n" * 108, b"k" * 32), (b"name", b"k")):
             with self.assertRaises(errors.Internal):
                 _segment._receive(name, key, 4096, 60)
         with self.assertRaises(errors.Unavailable):
             _segment._receive(b"no process listens here", b"k" * 32, 4096, 60)
+
+
+    def test_the_connection_stays_as_long_as_an_array(self):
+        memory = self.receive([self.memfd(4096, 2)])
+        array = np.frombuffer(memory, "u1")[4000:][::5]
+        del memory
+        gc.collect()
+        self.assertTrue(self.thread.is_alive())
+        self.assertEqual(array[-1], 0)
+        del array
+        gc.collect()
+        self.thread.join()
 
 
 class RefusalTest(unittest.TestCase):

@@ -191,8 +191,9 @@ def _first(call: Any, seconds: float) -> Any:
 
 
 def _receive(name: bytes, key: bytes, size: int, seconds: float) -> "Tuple[mmap.mmap, Optional[int]]":
-    """Connects to the socket of this abstract name, sends the key, and maps what is sent back. Beside it a descriptor of
-    the process there; None: it is not known."""
+    """Connects to the socket of this abstract name, sends the key, and maps what is sent back. The connection stays open
+    until the last array in the memory is gone: then the server may take its pages back. Beside it a descriptor of the
+    process there; None: it is not known."""
     if not 0 < len(name) <= _LONGEST_NAME or len(key) != _KEY_BYTES:
         raise errors.Internal(f"the server's name of a socket has {len(name)} bytes instead of up to {_LONGEST_NAME}, or "
                               f"its key {len(key)} instead of {_KEY_BYTES}")
@@ -208,9 +209,12 @@ def _receive(name: bytes, key: bytes, size: int, seconds: float) -> "Tuple[mmap.
                 if level == socket.SOL_SOCKET and kind == socket.SCM_RIGHTS:
                     descriptors.frombytes(data[:len(data) // descriptors.itemsize * descriptors.itemsize])
             peer = struct.unpack("3i", connection.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, 12))[0]
-        if len(descriptors) != 1:
-            raise errors.Unavailable(f"the server has sent {len(descriptors)} descriptors instead of that of the segment")
-        return _map(descriptors[0], size), _descriptor_of(peer)
+            if len(descriptors) != 1:
+                raise errors.Unavailable(f"the server has sent {len(descriptors)} descriptors instead of that of the "
+                                         "segment")
+            memory = _map(descriptors[0], size)
+            weakref.finalize(memory, os.close, connection.detach()).atexit = False
+        return memory, _descriptor_of(peer)
     except OSError as error:
         if isinstance(error, errors.SightlineError):
             raise

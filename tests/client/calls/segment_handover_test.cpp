@@ -9,13 +9,17 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstddef>
 #include <cstring>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace sightline::client::calls {
@@ -107,6 +111,32 @@ TEST(SegmentHandover, MapsWhatComes) {
   close(file);
 }
 
+/// Returns when the client has closed its end, having sent nothing more.
+void expect_end(int caller) {
+  char byte = 0;
+  EXPECT_EQ(recv(caller, &byte, 1, 0), 0);
+}
+
+TEST(SegmentHandover, KeepsTheConnectionAsLongAsTheMemory) {
+  const int file = make_memfd(kBytes, true);
+  std::atomic<bool> is_closed = false;
+  std::optional<Handover> handover(std::in_place, [&](int caller) {
+    send_descriptors(caller, {file});
+    expect_end(caller);
+    is_closed = true;
+  });
+  {
+    auto received = receive_segment(handover->name(), kKey, kBytes, soon());
+    ASSERT_TRUE(received) << received.error().message;
+    const auto all = std::make_unique<ReceivedSegment>(*std::move(received));
+    EXPECT_FALSE(is_closed);
+    EXPECT_NE(fcntl(all->connection.number(), F_GETFD) & FD_CLOEXEC, 0);
+  }
+  handover.reset();
+  EXPECT_TRUE(is_closed);
+  close(file);
+}
+
 TEST(SegmentHandover, TellsWhenTheServerHasEnded) {
   int ends[2];
   ASSERT_EQ(socketpair(AF_UNIX, SOCK_STREAM, 0, ends), 0);
@@ -144,7 +174,10 @@ TEST(SegmentHandover, RefusesWhatCouldEndTheProcess) {
             open = make_memfd(kBytes, false);
   for (const std::vector<int>& files :
        {std::vector<int>{small}, {open}, {STDIN_FILENO}, {}, {large, large}}) {
-    const Handover handover([&](int caller) { send_descriptors(caller, files); });
+    const Handover handover([&](int caller) {
+      send_descriptors(caller, files);
+      expect_end(caller);
+    });
     const auto memory = receive_segment(handover.name(), kKey, kBytes, soon());
     ASSERT_FALSE(memory);
     EXPECT_EQ(memory.error().code, Code::kUnavailable) << memory.error().message;
@@ -166,10 +199,7 @@ TEST(SegmentHandover, ASocketThatIsNotThereOrSaysNothing) {
 }
 
 TEST(SegmentHandover, ADeadlineEndsTheWait) {
-  const Handover handover([&](int caller) {
-    char byte = 0;
-    EXPECT_EQ(recv(caller, &byte, 1, 0), 0) << "the client has closed its end";
-  });
+  const Handover handover(expect_end);
   const auto late = receive_segment(handover.name(), kKey, kBytes,
                                     std::chrono::system_clock::now() - std::chrono::hours(1));
   ASSERT_FALSE(late);

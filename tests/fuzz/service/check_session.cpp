@@ -2,20 +2,27 @@
 #include "tests/fuzz/service/check_session.h"
 
 #include <fmt/format.h>
+#include <grpcpp/client_context.h>
 #include <grpcpp/create_channel.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <map>
+#include <memory>
+#include <optional>
 #include <set>
 
+#include "client/calls/segment_handover.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 #include "server/server.h"
-#include "sightline/v1/query.pb.h"
+#include "sightline/v1/query.grpc.pb.h"
 #include "sightline/v1/scene.pb.h"
 #include "tests/fuzz/service/raw_rpc.h"
 
@@ -41,7 +48,52 @@ std::string path_of(const FuzzCall& call) {
   return "/" + method.service()->full_name() + "/" + method.name();
 }
 
-/// A server with a scene that no session knows.
+[[noreturn]] void die(const std::string& why) {
+  std::fprintf(stderr, "service: %s\n", why.c_str());
+  std::abort();
+}
+
+/// A segment, which is open and mapped as long as this object.
+class FuzzSegment {
+ public:
+  explicit FuzzSegment(const std::shared_ptr<grpc::Channel>& channel)
+      : rays_(v1::RayQueryService::NewStub(channel)) {
+    v1::OpenSegmentRequest request;
+    request.set_bytes(kFuzzSegmentBytes);
+    reader_ = rays_->OpenSegment(&context_, request);
+    if (!reader_->Read(&opened_)) die("no segment is opened");
+    auto received = client::calls::receive_segment(opened_.socket(), opened_.key(), opened_.bytes(),
+                                                   std::chrono::system_clock::now() + kLimit);
+    if (!received) die(received.error().message);
+    received_.emplace(*std::move(received));
+  }
+  ~FuzzSegment() {
+    context_.TryCancel();
+    static_cast<void>(reader_->Finish());
+  }
+  FuzzSegment(const FuzzSegment&) = delete;
+  FuzzSegment& operator=(const FuzzSegment&) = delete;
+
+  const std::string& name() const { return opened_.segment(); }
+
+  /// The same rays for each session, and nothing of the answers to the last.
+  void fill() const {
+    constexpr std::array<double, 6> kRay{0.5, 0.25, 5, 0, 0, -1};
+    std::array<double, kFuzzSegmentBytes / sizeof(double)> values{};
+    for (std::size_t i = 0; i < 6 * kSegmentRows; ++i)
+      values[i] = kRay[i % 3 + (i < 3 * kSegmentRows ? 0 : 3)];
+    std::memcpy(received_->memory.data(), values.data(), sizeof values);
+  }
+
+ private:
+  const std::unique_ptr<v1::RayQueryService::Stub> rays_;
+  grpc::ClientContext context_;
+  std::unique_ptr<grpc::ClientReader<v1::OpenSegmentResponse>> reader_;
+  v1::OpenSegmentResponse opened_;
+  std::optional<client::calls::ReceivedSegment> received_;
+};
+
+/// A server with a scene that no session knows, and a segment that sessions may name.
 class Target {
  public:
   Target() {
@@ -58,6 +110,8 @@ class Target {
                                    grpc::InsecureChannelCredentials());
     if (!channel_->WaitForConnected(std::chrono::system_clock::now() + kLimit))
       die("no connection");
+    segment_.emplace(channel_);
+    segment_->fill();
     const Session example = example_sessions().front();
     for (FuzzCall call : example) {
       for (std::string& message : call.messages) message = for_kept_scene(call, message);
@@ -67,8 +121,12 @@ class Target {
     }
   }
 
+  void begin_session() const { segment_->fill(); }
+
   RawReply run(const FuzzCall& call) const {
-    return raw_rpc(channel_, path_of(call), call.messages,
+    std::vector<std::string> messages;
+    for (const std::string& message : call.messages) messages.push_back(named(call, message));
+    return raw_rpc(channel_, path_of(call), messages,
                    has_no_end(call) ? kWatch : std::chrono::milliseconds(kLimit));
   }
 
@@ -83,9 +141,22 @@ class Target {
   }
 
  private:
-  [[noreturn]] static void die(const std::string& why) {
-    std::fprintf(stderr, "service: %s\n", why.c_str());
-    std::abort();
+  /// The message, with the name of the open segment where it means that.
+  std::string named(const FuzzCall& call, const std::string& message) const {
+    const auto typed = parse(call, message);
+    if (!typed) return message;
+    const auto name_in = [&](auto& request) {
+      if (request.segment() != kFuzzSegment) return message;
+      request.set_segment(segment_->name());
+      return typed->SerializeAsString();
+    };
+    if (auto* rays = dynamic_cast<v1::CastRaysRequest*>(typed.get())) return name_in(*rays);
+    if (auto* near = dynamic_cast<v1::QueryPointsRequest*>(typed.get())) return name_in(*near);
+    if (auto* stream = dynamic_cast<v1::StreamCastRaysRequest*>(typed.get()))
+      return name_in(*stream->mutable_request());
+    if (auto* points = dynamic_cast<v1::StreamQueryPointsRequest*>(typed.get()))
+      return name_in(*points->mutable_request());
+    return message;
   }
 
   static std::string for_kept_scene(const FuzzCall& call, const std::string& message) {
@@ -114,6 +185,7 @@ class Target {
 
   std::unique_ptr<server::Server> server_;
   std::shared_ptr<grpc::Channel> channel_;
+  std::optional<FuzzSegment> segment_;
   std::vector<std::pair<FuzzCall, std::string>> kept_;
 };
 
@@ -177,6 +249,7 @@ std::optional<std::string> check_session(const Session& session) {
   static const Target target;  // ends before leaks are looked for
   std::optional<std::string> wrong;
   std::set<std::string> scenes;
+  target.begin_session();
   for (const FuzzCall& call : session) {
     const RawReply reply = target.run(call);
     if (!wrong) wrong = check_status(call, reply.status);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <type_traits>
 #include <utility>
 
 #include "sightline/v1/blob.pb.h"
@@ -208,6 +209,57 @@ std::vector<FuzzCall> casts() {
   return made;
 }
 
+/// A request with its rays, or its points, and its answer in the segment, the answer at `offset`.
+template <class Request>
+std::string in_segment(Request request, bool has_rows, std::uint64_t offset) {
+  constexpr std::uint64_t kColumnBytes = 8 * kSegmentRows;
+  request.set_segment(kFuzzSegment);
+  request.set_kind(v1::QUERY_KIND_CLOSEST);
+  for (const v1::HitField field : {v1::HIT_FIELD_T, v1::HIT_FIELD_NODE, v1::HIT_FIELD_HIT}) {
+    v1::SharedColumn& column = *request.add_answer();
+    column.set_field(field);
+    column.set_offset(offset);
+    offset += kColumnBytes;
+  }
+  if (!has_rows) return request.SerializeAsString();
+  auto& shared = *request.mutable_shared();
+  shared.set_float64(true);
+  shared.set_count(kSegmentRows);
+  if constexpr (std::is_same_v<Request, v1::CastRaysRequest>) {
+    shared.set_origins(0);
+    shared.set_directions(3 * kColumnBytes);
+  } else {
+    shared.set_positions(0);
+  }
+  return request.SerializeAsString();
+}
+
+std::vector<FuzzCall> casts_in_a_segment() {
+  constexpr std::uint64_t kAnswer = 48 * kSegmentRows, kOther = kAnswer + 24 * kSegmentRows;
+  const auto rays = query(v1::QUERY_KIND_CLOSEST);
+  const auto near = points(v1::QUERY_KIND_CLOSEST);
+  std::vector<FuzzCall> made;
+  made.push_back(call("CastRays", {in_segment(rays, true, kAnswer)}));
+  made.push_back(call("CastRays", {in_segment(rays, false, kOther)}));
+  made.push_back(call("QueryPoints", {in_segment(near, true, kAnswer)}));
+  made.push_back(call("QueryPoints", {in_segment(grid(), false, kOther)}));
+  std::vector<std::string> stream;
+  for (const std::uint64_t offset : {kAnswer, kOther}) {
+    stream.push_back(message<v1::StreamCastRaysRequest>([&](auto& request) {
+      request.mutable_request()->ParseFromString(in_segment(rays, true, offset));
+    }));
+  }
+  made.push_back(call("StreamCastRays", std::move(stream)));
+  return made;
+}
+
+FuzzCall cast_with_updates() {
+  v1::CastRaysRequest request = query(v1::QUERY_KIND_CLOSEST);
+  request.mutable_apply()->set_request_id("with rays");
+  *request.mutable_apply()->add_updates() = put(-1, digest_of(square()));
+  return call("CastRays", {request.SerializeAsString()});
+}
+
 FuzzCall stream_updates() {
   const auto batch = [](std::uint64_t sequence, bool more) {
     return message<v1::StreamUpdatesRequest>([&](auto& request) {
@@ -278,11 +330,12 @@ Session join(std::initializer_list<std::vector<FuzzCall>> parts) {
 }  // namespace
 
 std::vector<Session> example_sessions() {
-  return {join({{create(), upload(), apply()}, casts()}),
+  return {join({{create(), upload(), apply()}, casts(), casts_in_a_segment()}),
           join({{create(), upload(), apply()}, queries_of_points()}),
           join({{create(), upload(), apply()}, queries_of_sides()}),
           join({{create(), upload(), apply(), stream_updates()}, reads(), {put_scene(), remove()}}),
-          join({{create(), stream_updates(), apply(), remove(), stream_updates()}})};
+          join({{create(), stream_updates(), apply(), remove(), stream_updates()}}),
+          join({{create(), upload(), cast_with_updates(), cast_with_updates()}})};
 }
 
 }  // namespace sightline::tests

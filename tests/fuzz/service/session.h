@@ -23,6 +23,13 @@ using Session = std::vector<FuzzCall>;
 Session decode_session(std::span<const std::uint8_t> bytes);
 std::vector<std::uint8_t> encode_session(const Session& session);
 
+/// Requests that name this segment mean the one that is open while sessions run: its real name
+/// cannot be guessed. It begins with kSegmentRows origins in double, and as many directions behind
+/// them.
+inline const std::string kFuzzSegment = "segment";
+inline constexpr std::uint64_t kFuzzSegmentBytes = std::uint64_t{64} << 10;
+inline constexpr std::uint64_t kSegmentRows = 512;
+
 /// All methods of the service, always in the same order.
 const std::vector<const google::protobuf::MethodDescriptor*>& methods();
 const google::protobuf::MethodDescriptor& method_of(const FuzzCall& call);

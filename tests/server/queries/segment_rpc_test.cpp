@@ -46,17 +46,75 @@ TEST_F(SegmentRpcTest, ASegmentLivesAsLongAsItsCall) {
   EXPECT_EQ(ask<v1::CastRaysResponse>(shared_cast(segment, 10)).stats().hits(), 10u);
   const auto late = shared_cast(segment, 10);
   EXPECT_EQ(segment.close().error_code(), grpc::StatusCode::CANCELLED);
+  segment.disconnect();
   wait_until_given_back();
   EXPECT_EQ(refusal<v1::CastRaysResponse>(late), "SEGMENT_NOT_FOUND");
 }
 
-TEST_F(SegmentRpcTest, WhatAClientHasMappedStaysWhatItIs) {
-  SharedSegment segment(*api_.rays, 4 * kPage);
-  segment.put("something");
+TEST_F(SegmentRpcTest, WhatAClientHasMappedCountsAndStaysWhatItIsAfterTheCall) {
+  api_.make_scene(kScene, planar_sheet(8));
+  SharedSegment segment(*api_.rays, 100 * kPage);
+  const auto late = shared_cast(segment, 10);
+  ASSERT_EQ(refusal<v1::CastRaysResponse>(late), "");
+  const std::string before = segment.column(0, segment.bytes().size());
+  segment.close();
+  while (refusal<v1::CastRaysResponse>(late) != "SEGMENT_NOT_FOUND") {
+  }
+  EXPECT_EQ(held(), 100 * kPage);
+  EXPECT_EQ(segment.column(0, segment.bytes().size()), before);
+  segment.disconnect();
+  wait_until_given_back();
+  EXPECT_EQ(pages_of(segment.descriptor()), 0u);
+  EXPECT_EQ(segment.column(0, segment.bytes().size()), std::string(segment.bytes().size(), '\0'));
+}
+
+/// A client of no good will, or of an earlier version.
+TEST_F(SegmentRpcTest, AConnectionThatIsClosedAtOnceEndsNoCasts) {
+  api_.make_scene(kScene, planar_sheet(8));
+  SharedSegment segment(*api_.rays, 100 * kPage);
+  segment.disconnect();
+  for (int i = 0; i < 10; ++i)
+    EXPECT_EQ(ask<v1::CastRaysResponse>(shared_cast(segment, 10)).stats().hits(), 10u);
+  EXPECT_EQ(held(), 100 * kPage);
   segment.close();
   wait_until_given_back();
+  EXPECT_EQ(pages_of(segment.descriptor()), 0u);
+}
+
+TEST_F(SegmentRpcTest, WhatAClientHasMappedStaysWhenTheServerEnds) {
+  SharedSegment segment(*api_.rays, 4 * kPage);
+  segment.put("something");
+  server_->drain();
+  segment.close();
+  server_.reset();
   EXPECT_EQ(segment.column(0, 9), "something");
-  EXPECT_NE(segment.descriptor(), -1);
+}
+
+/// Calls that end make no room where their segments are still mapped.
+TEST_F(SegmentRpcTest, BoundsTheSegmentsThatHaveEndedAndAreMapped) {
+  const auto limits =
+      server::exec::ShareLimits::of(kMaxSegments, server::exec::kConnectionCallShare);
+  std::vector<Api> clients;
+  std::vector<TakenSegment> taken;
+  const auto open_and_end = [&](Api& api) {
+    SegmentCall call(*api.rays, kPage);
+    if (!call.is_open()) return reason_of(call.end());
+    taken.push_back(take_segment(call.response().socket(), call.response().key()));
+    return std::string();
+  };
+  for (std::size_t i = 0; i < limits.principal; ++i) {
+    if (i % limits.connection == 0) clients.emplace_back(connect(server_->port()));
+    ASSERT_EQ(open_and_end(clients.back()), "") << i;
+  }
+  Api one_more(connect(server_->port()));
+  for (int i = 0; i < 1'000; ++i) ASSERT_EQ(open_and_end(one_more), "TOO_MANY_SEGMENTS");
+  EXPECT_EQ(held(), limits.principal * kPage);
+  for (TakenSegment& one : taken) one.connection = server::net::Descriptor();
+  wait_until_given_back();
+  for (const TakenSegment& one : taken) EXPECT_EQ(pages_of(one.descriptor.number()), 0u);
+  std::string last = "TOO_MANY_SEGMENTS";  // until the server has forgotten the last refused call
+  while (last == "TOO_MANY_SEGMENTS") last = open_and_end(one_more);
+  EXPECT_EQ(last, "");
 }
 
 TEST_F(SegmentRpcTest, ClientsThatLeaveAtAnyTimeLeaveNothing) {
@@ -80,12 +138,12 @@ TEST_F(SegmentRpcTest, ClientsThatLeaveAtAnyTimeLeaveNothing) {
     key = call.response().key();
   }
   wait_until_given_back();
-  EXPECT_FALSE(take_descriptor(socket, key)) << "its segment is gone";
+  EXPECT_FALSE(take_segment(socket, key)) << "its segment is gone";
   {
     Api other(connect(server_->port()));
     const SegmentCall call(*other.rays, kPage);
-    EXPECT_TRUE(take_descriptor(call.response().socket(), call.response().key()));
-    EXPECT_FALSE(take_descriptor(call.response().socket(), call.response().key()));
+    EXPECT_TRUE(take_segment(call.response().socket(), call.response().key()));
+    EXPECT_FALSE(take_segment(call.response().socket(), call.response().key()));
     EXPECT_EQ(held(), kPage);
   }
   wait_until_given_back();
@@ -102,6 +160,7 @@ TEST_F(SegmentRpcTest, AStreamLearnsThatItsSegmentHasEnded) {
   ASSERT_TRUE(stream->Write(message));
   ASSERT_TRUE(stream->Read(&reply));
   segment.close();
+  segment.disconnect();
   wait_until_given_back();
   stream->Write(message);
   EXPECT_FALSE(stream->Read(&reply));
@@ -174,7 +233,7 @@ class SegmentOffers : public testing::Test {
     SegmentCall call(*api.rays, kPage);
     if (!call.is_open()) return {info.max_segment_bytes(), reason_of(call.end())};
     const bool taken =
-        static_cast<bool>(take_descriptor(call.response().socket(), call.response().key()));
+        static_cast<bool>(take_segment(call.response().socket(), call.response().key()));
     return {info.max_segment_bytes(), taken ? "" : "not handed over"};
   }
 

@@ -47,7 +47,7 @@ class SharedRaysTest : public testing::Test {
 
   Random random_{1};
   exec::MemoryAccount memory_{std::uint64_t{64} << 20};
-  segments::SegmentBytes bytes_{memory_};
+  segments::SegmentAccount bytes_{memory_};
   const std::uint64_t size_ = 16 * segments::page_size();
   const std::shared_ptr<const segments::Segment> segment_ =
       *segments::Segment::make(size_, "a", *bytes_.hold({"a", "a:1"}, size_));

@@ -15,7 +15,7 @@ class HandoverKeysTest : public testing::Test {
   }
 
   exec::MemoryAccount memory_{std::uint64_t{64} << 20};
-  SegmentBytes bytes_{memory_};
+  SegmentAccount bytes_{memory_};
   HandoverKeys keys_;
   const HandoverKeys::Clock::time_point now_ = HandoverKeys::Clock::now();
 };

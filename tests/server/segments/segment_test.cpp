@@ -4,19 +4,23 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <string>
+#include <utility>
+
+#include "tests/server/support/shared_segment.h"
 
 namespace sightline::server::segments {
 namespace {
 
+using tests::pages_of;
+
 class SegmentTest : public testing::Test {
  protected:
   std::shared_ptr<const Segment> make(std::uint64_t bytes) {
-    auto held = bytes_.hold({"a", "a:1"}, bytes);
+    auto held = account_.hold({"a", "a:1"}, bytes);
     EXPECT_TRUE(held);
     auto made = Segment::make(bytes, "a", std::move(*held));
     EXPECT_TRUE(made) << (made ? "" : made.error().message);
@@ -24,14 +28,8 @@ class SegmentTest : public testing::Test {
   }
 
   exec::MemoryAccount memory_{std::uint64_t{64} << 20};
-  SegmentBytes bytes_{memory_};
+  SegmentAccount account_{memory_};
 };
-
-std::uint64_t pages_of(int descriptor) {
-  struct stat found {};
-  EXPECT_EQ(fstat(descriptor, &found), 0);
-  return static_cast<std::uint64_t>(found.st_blocks) * 512 / page_size();
-}
 
 TEST_F(SegmentTest, HasItsPagesFromTheBeginning) {
   const auto segment = make(16 * page_size());
@@ -96,31 +94,23 @@ TEST_F(SegmentTest, LeavesToAClientWhatItHasMapped) {
   munmap(mapped, 16 * page_size());
 }
 
-TEST_F(SegmentTest, APrincipalHasAShareOfTheBytes) {
-  const std::uint64_t all = memory_.limit() / kShareOfLimit;
-  EXPECT_LT(bytes_.share(), all);
-  auto most = bytes_.hold({"a", "a:1"}, bytes_.share());
-  ASSERT_TRUE(most);
-  const auto more = bytes_.hold({"a", "a:2"}, 1);
-  ASSERT_FALSE(more);
-  EXPECT_EQ(more.error().code, Code::kResourceExhausted);
-  EXPECT_EQ(more.error().reason, exec::kMemoryBudget);
-  EXPECT_NE(more.error().message.find(std::to_string(bytes_.share())), std::string::npos);
-  EXPECT_TRUE(bytes_.hold({"b", "b:1"}, all - bytes_.share()));
-  const auto beyond = bytes_.hold({"b", "b:1"}, all - bytes_.share() + 1);
-  ASSERT_FALSE(beyond);
-  EXPECT_EQ(memory_.used(), bytes_.share());
-  *most = {};
+TEST_F(SegmentTest, TakesItsPagesFromAClientThatIsGone) {
+  auto segment = make(16 * page_size());
+  segment->write(0, "four", 4);
+  const net::Descriptor kept(dup(segment->descriptor()));
+  char* const mapped = static_cast<char*>(
+      mmap(nullptr, segment->size(), PROT_READ | PROT_WRITE, MAP_SHARED, kept.number(), 0));
+  ASSERT_NE(mapped, MAP_FAILED);
+  segment->note_client_gone();
+  EXPECT_EQ(mapped[0], 'f') << "a cast may be at it";
+  EXPECT_EQ(pages_of(kept.number()), 16u);
+  segment.reset();
   EXPECT_EQ(memory_.used(), 0u);
-  EXPECT_TRUE(bytes_.hold({"a", "a:1"}, 1));
-}
-
-TEST_F(SegmentTest, IsRefusedWhereTheBudgetIsUsedUp) {
-  const auto others = memory_.record(exec::Held::kMeshes, memory_.limit());
-  const auto refused = bytes_.hold({"a", "a:1"}, page_size());
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().reason, exec::kMemoryBudget);
-  EXPECT_EQ(memory_.used(exec::Held::kSegments), 0u);
+  EXPECT_EQ(pages_of(kept.number()), 0u);
+  EXPECT_EQ(mapped[0], '\0');
+  mapped[0] = 'x';  // a page of its own
+  EXPECT_EQ(pages_of(kept.number()), 1u);
+  munmap(mapped, 16 * page_size());
 }
 
 }  // namespace

@@ -2,8 +2,12 @@
 #include "server/segments/segments.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <optional>
 #include <string>
+#include <thread>
+#include <utility>
 
 #include "tests/server/support/shared_segment.h"
 
@@ -13,6 +17,10 @@ namespace {
 constexpr std::uint64_t kBudget = std::uint64_t{256} << 20;
 constexpr const char *kUnixPeer = "unix:", *kRemotePeer = "ipv4:10.0.0.1:1";
 const exec::Caller kOwner{"owner", "owner:1"};
+
+std::string key_of(const Segments::Opened& opened) {
+  return {opened.key.begin(), opened.key.end()};
+}
 
 class SegmentsTest : public testing::Test {
  protected:
@@ -51,8 +59,43 @@ TEST_F(SegmentsTest, LiveUntilTheirLastUser) {
 TEST_F(SegmentsTest, HaveKeys) {
   const auto opened = segments_.open(kOwner, page_size());
   ASSERT_TRUE(opened);
-  EXPECT_TRUE(tests::take_descriptor(segments_.socket(),
-                                     std::string(opened->key.begin(), opened->key.end())));
+  EXPECT_TRUE(tests::take_segment(segments_.socket(), key_of(*opened)));
+}
+
+TEST_F(SegmentsTest, CountUntilTheirCallsAndConnectionsHaveEnded) {
+  for (const bool call_ends_first : {true, false}) {
+    auto opened = segments_.open(kOwner, 4 * page_size());
+    ASSERT_TRUE(opened);
+    tests::TakenSegment taken = tests::take_segment(segments_.socket(), key_of(*opened));
+    ASSERT_TRUE(taken);
+    opened->segment.reset();
+    const auto end_call = [&] { segments_.close(opened->name); };
+    const auto end_connection = [&] { taken.connection = net::Descriptor(); };
+    call_ends_first ? end_call() : end_connection();
+    EXPECT_EQ(static_cast<bool>(segments_.find(opened->name, kOwner)), !call_ends_first);
+    EXPECT_EQ(segments_.count(), 1u);
+    EXPECT_EQ(memory_.used(exec::Held::kSegments), 4 * page_size());
+    EXPECT_EQ(tests::pages_of(taken.descriptor.number()), 4u);
+    call_ends_first ? end_connection() : end_call();
+    while (memory_.used() > 0) std::this_thread::yield();
+    EXPECT_EQ(segments_.count(), 0u);
+    EXPECT_EQ(tests::pages_of(taken.descriptor.number()), 0u);
+  }
+}
+
+TEST_F(SegmentsTest, LeaveClientsTheirArraysWhenTheServerEnds) {
+  std::optional<Segments> ending(std::in_place, memory_, Offer::kUnix);
+  auto opened = ending->open(kOwner, page_size());
+  ASSERT_TRUE(opened);
+  const tests::TakenSegment taken = tests::take_segment(ending->socket(), key_of(*opened));
+  opened->segment->write(0, "kept", 4);
+  opened->segment.reset();
+  ending->close(opened->name);
+  ending.reset();
+  EXPECT_EQ(memory_.used(), 0u);
+  std::string read(4, ' ');
+  EXPECT_EQ(pread(taken.descriptor.number(), read.data(), read.size(), 0), 4);
+  EXPECT_EQ(read, "kept");
 }
 
 TEST_F(SegmentsTest, HaveALargestSize) {

@@ -4,11 +4,14 @@
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
+#include <unistd.h>
 
 #include <array>
 #include <cstddef>
 #include <cstring>
+#include <utility>
 
 namespace sightline::tests {
 
@@ -24,8 +27,8 @@ Descriptor connect_abstract(const std::string& name) {
   return made;
 }
 
-Descriptor take_descriptor(const std::string& socket, const std::string& key) {
-  const Descriptor connection = connect_abstract(socket);
+TakenSegment take_segment(const std::string& socket, const std::string& key) {
+  Descriptor connection = connect_abstract(socket);
   send(connection.number(), key.data(), key.size(), MSG_NOSIGNAL);
   char byte = 1;
   iovec data{&byte, 1};
@@ -41,7 +44,14 @@ Descriptor take_descriptor(const std::string& socket, const std::string& key) {
   int descriptor = -1;
   std::memcpy(&descriptor, CMSG_DATA(rights), sizeof descriptor);
   EXPECT_EQ(byte, 0);
-  return Descriptor(descriptor);
+  return {std::move(connection), Descriptor(descriptor)};
+}
+
+std::uint64_t pages_of(int descriptor) {
+  struct stat found {};
+  EXPECT_EQ(fstat(descriptor, &found), 0);
+  return static_cast<std::uint64_t>(found.st_blocks) * 512 /
+         static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
 }
 
 SegmentCall::SegmentCall(v1::RayQueryService::Stub& rays, std::uint64_t bytes) {
@@ -73,9 +83,9 @@ SharedSegment::SharedSegment(v1::RayQueryService::Stub& rays, std::uint64_t byte
   EXPECT_TRUE(call_.is_open());
   if (!call_.is_open()) return;
   const v1::OpenSegmentResponse& response = call_.response();
-  descriptor_ = take_descriptor(response.socket(), response.key());
+  taken_ = take_segment(response.socket(), response.key());
   void* const data =
-      mmap(nullptr, response.bytes(), PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_.number(), 0);
+      mmap(nullptr, response.bytes(), PROT_READ | PROT_WRITE, MAP_SHARED, descriptor(), 0);
   EXPECT_NE(data, MAP_FAILED);
   if (data == MAP_FAILED) return;
   data_ = static_cast<std::byte*>(data);

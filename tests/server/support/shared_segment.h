@@ -16,8 +16,16 @@ namespace sightline::tests {
 
 /// Connects to a Unix socket of this name in the abstract namespace.
 server::net::Descriptor connect_abstract(const std::string& name);
-/// Sends a key to a socket and takes the descriptor that comes; none if the socket is closed.
-server::net::Descriptor take_descriptor(const std::string& socket, const std::string& key);
+
+/// What a client has of a segment: its descriptor, and the connection by which it came.
+struct TakenSegment {
+  server::net::Descriptor connection, descriptor;
+  explicit operator bool() const { return static_cast<bool>(descriptor); }
+};
+/// Sends a key to a socket and takes what comes; nothing if the socket is closed.
+TakenSegment take_segment(const std::string& socket, const std::string& key);
+/// The pages that a descriptor's file has.
+std::uint64_t pages_of(int descriptor);
 
 /// An open OpenSegment call.
 class SegmentCall {
@@ -55,7 +63,7 @@ class SharedSegment {
 
   const std::string& name() const { return call_.response().segment(); }
   std::span<std::byte> bytes() const { return {data_, size_}; }
-  int descriptor() const { return descriptor_.number(); }
+  int descriptor() const { return taken_.descriptor.number(); }
   /// Copies a column behind those before it, and returns where it begins.
   std::uint64_t put(const std::string& column);
   /// Leaves room for a column behind those before it, and returns where it begins.
@@ -66,10 +74,12 @@ class SharedSegment {
 
   /// Ends the call; what is mapped stays mapped.
   grpc::Status close() { return call_.end(); }
+  /// Closes the connection by which the segment came; what is mapped stays mapped.
+  void disconnect() { taken_.connection = server::net::Descriptor(); }
 
  private:
   SegmentCall call_;
-  server::net::Descriptor descriptor_;
+  TakenSegment taken_;
   std::byte* data_ = nullptr;
   std::size_t size_ = 0;
   std::uint64_t used_ = 0;
