@@ -179,8 +179,8 @@ class RestoreCall final : public grpc::ServerReadReactor<v1::RestoreRequest> {
     v1::RestoredScene& scene = *reply_.add_scenes();
     scene.set_name(restored.scene);
     scenes::encode_revision(restored.revision, *scene.mutable_revision());
-    spdlog::info("event=scene_restored scene={} revision={}", restored.scene,
-                 restored.revision.revision);
+    spdlog::info("event=scene_restored scene={} revision={}{}", restored.scene,
+                 restored.revision.revision, exec::call_ids_of(context_));
   }
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();
