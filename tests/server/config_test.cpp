@@ -228,6 +228,17 @@ TEST(CommandLine, PrintsWhereEachValueComesFrom) {
   EXPECT_EQ(std::get<CommandLine>(again).config.quotas.others[0], 5u);
 }
 
+TEST(CommandLine, PrintsEveryStringSoThatItIsReadAgain) {
+  for (const std::string path : {"a", "a\"b", "a\\b", "a'b", "a'\"\\b#"}) {
+    testing::internal::CaptureStdout();
+    EXPECT_EQ(std::get<int>(parse({"--data-dir", path.c_str(), "--print-config"})), 0);
+    const TemporaryFile printed(testing::internal::GetCapturedStdout());
+    const auto again = parse({"--config", printed.path().c_str()});
+    ASSERT_TRUE(std::holds_alternative<CommandLine>(again)) << path;
+    EXPECT_EQ(std::get<CommandLine>(again).config.data_dir, path);
+  }
+}
+
 TEST(CommandLine, PrintsNoPassword) {
   const Variable store("SIGHTLINED_STORE",
                        "postgresql://user:hidden@one,two:5433/db?sslmode=require");
