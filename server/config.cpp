@@ -91,8 +91,8 @@ void add_bytes(CLI::App& app, const std::string& flag, std::uint64_t& bytes,
   app.add_option_function<std::string>(
          flag, [&bytes](const std::string& text) { bytes = *settings::parse_byte_size(text, 1); },
          help)
-      ->check(CLI::Validator(check, "SIZE"))
-      ->type_name("")
+      ->check(CLI::Validator(check, ""))
+      ->type_name("SIZE")
       ->default_str(std::to_string(bytes));
 }
 
