@@ -56,8 +56,8 @@ class BackupFiles : public testing::Test {
         if (Status added = file->add(piece(digest, "", false)); !added) return added;
         continue;
       }
-      if (Status added = file->add(piece(digest, mesh.substr(0, 7), true)); !added) return added;
-      if (Status added = file->add(piece(digest, mesh.substr(7), false)); !added) return added;
+      if (Status added = file->add(piece(digest, mesh.substr(0, 3), true)); !added) return added;
+      if (Status added = file->add(piece(digest, mesh.substr(3), false)); !added) return added;
     }
     v1::BackupPart end;
     end.mutable_end();
