@@ -36,13 +36,14 @@ Status send_parts(BackupFileReader& file, v1::RestoreRequest request,
 Result<std::vector<BackupScene>> Client::backup(const std::filesystem::path& directory,
                                                 const BackupOptions& options) const {
   connection_->wait_until_connected();
-  auto file = BackupFileWriter::create(directory);
+  auto file = BackupFileWriter::create(directory, options.since);
   if (!file) return file.error();
   grpc::ClientContext context;
   calls::set_timeout(context, connection_->timeout);
   const std::stop_callback cancel(options.stop, [&] { context.TryCancel(); });
   v1::BackupRequest request;
   request.set_scene(options.scene);
+  for (std::string& digest : file->known()) request.add_known_meshes(std::move(digest));
   const auto call = connection_->backups->Backup(&context, request);
   std::vector<BackupScene> scenes;
   Status kept;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <stop_token>
 #include <string>
 
@@ -16,6 +17,9 @@ struct BackupScene {
 
 struct BackupOptions {
   std::string scene = {};  ///< Only this one; empty: all.
+  /// The directory of an earlier backup, whose meshes are not sent again, and whose files this one
+  /// shares by hard links. Each of the two is whole without the other. Empty: none.
+  std::filesystem::path since = {};
   std::stop_token stop = {};
 };
 

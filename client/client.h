@@ -99,7 +99,7 @@ class Client {
                                  double meters_per_unit = 0) const;
   /// Errors: kNotFound; kCancelled, a stop was requested.
   Result<SceneInfo> get_scene(const std::string& scene, const std::stop_token& stop = {}) const;
-  /// All scenes of projects/{project}, by name.
+  /// All scenes of projects/{project}, or of all projects with "projects/-", by name.
   Result<std::vector<SceneInfo>> list_scenes(const std::string& project) const;
   Status delete_scene(const std::string& scene) const;
 

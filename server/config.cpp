@@ -19,6 +19,7 @@
 #include "server/describe.h"
 #include "server/exec/rpc_status.h"
 #include "server/net/listen_address.h"
+#include "server/settings/byte_size.h"
 #include "server/settings/quota_settings.h"
 #include "server/settings/settings_file.h"
 #include "server/settings/sources.h"
@@ -78,6 +79,21 @@ void add_security_flags(CLI::App& app, ServerConfig& config) {
   app.add_option("--tokens", config.tokens,
                  "Clients need a token of which this TOML file has the hash; read again when it "
                  "changes");
+}
+
+/// A flag for a number of bytes, of at least 1.
+void add_bytes(CLI::App& app, const std::string& flag, std::uint64_t& bytes,
+               const std::string& help) {
+  const auto check = [](const std::string& text) {
+    const auto size = settings::parse_byte_size(text, 1);
+    return size ? std::string() : size.error().message;
+  };
+  app.add_option_function<std::string>(
+         flag, [&bytes](const std::string& text) { bytes = *settings::parse_byte_size(text, 1); },
+         help)
+      ->check(CLI::Validator(check, ""))
+      ->type_name("SIZE")
+      ->default_str(std::to_string(bytes));
 }
 
 /// A flag for a time in whole units of Duration.
@@ -166,18 +182,15 @@ void add_flags(CLI::App& app, CommandLine& line) {
   add_choice(
       app, "--policy", kPolicies, config.policy, "first-touch",
       "When trees are built: where rays enter, where that pays, or fully before the first ray");
-  app.add_option(
-         "--memory-budget", config.memory_budget,
-         "Bytes to hold at most: meshes, trees, nodes, logs, calls; by default half of the memory")
-      ->check(count)
-      ->capture_default_str();
+  add_bytes(app, "--memory-budget", config.memory_budget,
+            "Bytes to hold at most, such as 4G: meshes, trees, nodes, logs, calls; by default half "
+            "of the memory");
   app.add_option("--max-rays-queued", config.admission.rays,
                  "Rays in work at most; more are refused")
       ->check(count)
       ->capture_default_str();
-  app.add_option("--max-bytes-queued", config.admission.bytes, "Bytes of requests in work at most")
-      ->check(count)
-      ->capture_default_str();
+  add_bytes(app, "--max-bytes-queued", config.admission.bytes,
+            "Bytes of requests in work at most, such as 256M");
   app.add_option("--max-prefetches", config.max_prefetches,
                  "Prefetches in work at most; more are refused")
       ->check(CLI::Range(0, ServerConfig::kMaxPrefetches))

@@ -92,6 +92,7 @@ void Endpoint::start_grpc() {
   interceptors.push_back(metrics::measure_calls(state_.metrics.rpcs));
   interceptors.push_back(exec::count_calls(open_rpcs_));
   interceptors.push_back(exec::refuse_malformed());
+  interceptors.push_back(exec::log_refusals(refusal_log_));
   interceptors.push_back(exec::pace_refusals(refusal_pace_));
   experimental.SetInterceptorCreators(std::move(interceptors));
   builder.SetContextAllocator(exec::make_contexts(access_.authenticator->calls()));

@@ -15,6 +15,7 @@
 #include "proto/result.h"
 #include "server/access.h"
 #include "server/exec/open_rpcs.h"
+#include "server/exec/refusal_log.h"
 #include "server/exec/refusal_pace.h"
 #include "server/guarded_rpcs.h"
 #include "server/net/acceptor.h"
@@ -62,6 +63,7 @@ class Endpoint {
       std::make_shared<net::EndedConnections>();
   const Guard guard_{*access_.authenticator};
   exec::OpenRpcs open_rpcs_;
+  exec::RefusalLog refusal_log_{exec::RefusalLog::Clock::now()};
   exec::RefusalPace refusal_pace_{ServerConfig::kMaxCallsPerConnection};
   GuardedQueries query_rpc_{guard_, state_.services};
   GuardedScenes scene_rpc_{guard_, state_.services};

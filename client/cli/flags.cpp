@@ -17,15 +17,6 @@ namespace {
 
 constexpr std::size_t kMaxIdBytes = 63;
 
-bool is_id(std::string_view text) {
-  const auto is_plain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); };
-  if (text.empty() || text.size() > kMaxIdBytes || !is_plain(text.front())) return false;
-  for (const char c : text) {
-    if (!is_plain(c) && c != '.' && c != '_' && c != '-') return false;
-  }
-  return true;
-}
-
 std::optional<std::uint32_t> parse_side(std::string_view text) {
   std::uint32_t side = 0;
   const auto [end, error] = std::from_chars(text.begin(), text.end(), side);
@@ -80,6 +71,15 @@ std::optional<PictureSize> parse_size(std::string_view text) {
   const auto height = parse_side(text.substr(cross + 1));
   if (!width || !height) return {};
   return PictureSize{*width, *height};
+}
+
+bool is_id(std::string_view text) {
+  const auto is_plain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); };
+  if (text.empty() || text.size() > kMaxIdBytes || !is_plain(text.front())) return false;
+  for (const char c : text) {
+    if (!is_plain(c) && c != '.' && c != '_' && c != '-') return false;
+  }
+  return true;
 }
 
 std::optional<std::string> parse_scene_name(std::string_view text) {

@@ -42,6 +42,10 @@ std::optional<PictureSize> parse_size(std::string_view text);
 /// name is returned as it is. Returns nothing for any other text.
 std::optional<std::string> parse_scene_name(std::string_view text);
 
+/// Whether the text names a project or a scene: 1 to 63 of a-z 0-9 . _ -, the first a letter or
+/// digit.
+bool is_id(std::string_view text);
+
 /// The values of --kind.
 extern const std::map<std::string, QueryKind> kQueryKinds;
 

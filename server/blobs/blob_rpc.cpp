@@ -203,7 +203,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
     report(**mesh, upload_->digest().size);
     // The level is debug: an import logs one line for its scene, however many meshes it has.
     spdlog::debug("event=mesh_uploaded digest={} triangles={} nonfinite={}{}", digest_text_,
-                  (*mesh)->triangles(), (*mesh)->nonfinite(), exec::request_id_of(context_));
+                  (*mesh)->triangles(), (*mesh)->nonfinite(), exec::call_ids_of(context_));
     return {};
   }
 

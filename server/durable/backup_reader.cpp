@@ -107,7 +107,13 @@ Status BackupReader::begin_scene() {
 
 Result<bool> BackupReader::read_mesh(v1::BackupPart& part) {
   if (meshes_.empty()) return false;
-  const blobs::BlobDigest& digest = meshes_.back();
+  const blobs::BlobDigest digest = meshes_.back();
+  if (known_.contains(digest)) {
+    part.mutable_mesh()->set_digest(digest.text());
+    sent_.insert(digest);
+    meshes_.pop_back();
+    return true;
+  }
   if (mesh_ == nullptr) {
     auto mesh = store_.blob(digest);
     if (!mesh) return mesh.error();

@@ -18,8 +18,10 @@ namespace sightline::server::durable {
 /// time.
 class BackupReader {
  public:
-  /// `scene`: only this one; empty: all. `store` outlives this object.
-  BackupReader(store::Store& store, std::string scene) : store_(store), only_(std::move(scene)) {}
+  /// `scene`: only this one; empty: all. `known`: meshes whose bytes are left out. `store` outlives
+  /// this object.
+  BackupReader(store::Store& store, std::string scene, std::set<blobs::BlobDigest> known)
+      : store_(store), only_(std::move(scene)), known_(std::move(known)) {}
 
   /// Finds the scenes. Errors: kNotFound, as of the store.
   Status begin();
@@ -38,6 +40,7 @@ class BackupReader {
 
   store::Store& store_;
   const std::string only_;
+  const std::set<blobs::BlobDigest> known_;
   std::vector<store::SceneRecord> scenes_;  // the next one last
   std::set<blobs::BlobDigest> sent_;        // meshes
   Step step_ = Step::kScene;

@@ -1,12 +1,16 @@
 // BackupService: a stream of parts in each direction, one at a time.
 #include "server/durable/backup_rpc.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <atomic>
 #include <optional>
+#include <set>
+#include <string>
 #include <utility>
 
+#include "server/blobs/blob_rpc.h"
 #include "server/durable/backup_reader.h"
 #include "server/durable/restorer.h"
 #include "server/exec/malformed.h"
@@ -23,6 +27,23 @@ Error not_durable() {
           "NOT_DURABLE"};
 }
 
+/// Errors: kInvalidArgument, a text that is no digest; kResourceExhausted, too many.
+Result<std::set<blobs::BlobDigest>> digests_of(const v1::BackupRequest& request) {
+  if (request.known_meshes_size() > blobs::kMaxDigestsPerRequest) {
+    return Error{Code::kResourceExhausted,
+                 fmt::format("{} known meshes in a request, at most {} are taken",
+                             request.known_meshes_size(), blobs::kMaxDigestsPerRequest),
+                 "TOO_MANY_DIGESTS"};
+  }
+  std::set<blobs::BlobDigest> digests;
+  for (const std::string& text : request.known_meshes()) {
+    const auto digest = blobs::BlobDigest::parse(text);
+    if (!digest) return digest.error();
+    digests.insert(*digest);
+  }
+  return digests;
+}
+
 /// Reads a part and writes it, in turn. Deletes itself.
 class BackupCall final : public grpc::ServerWriteReactor<v1::BackupResponse> {
  public:
@@ -31,11 +52,13 @@ class BackupCall final : public grpc::ServerWriteReactor<v1::BackupResponse> {
       : parts_(parts),
         context_(context),
         caller_(exec::caller_of(context)),
-        scene_(request.scene()) {}
+        scene_(request.scene()),
+        known_(digests_of(request)) {}
 
   void start() {
     const Status entered = parts_.calls.enter(this, caller_, {.on_stop = [this] { stop_ = true; }});
     if (!entered) return end(entered);
+    if (!known_) return end(known_.error());
     work([this] { return begin(); });
   }
 
@@ -74,7 +97,7 @@ class BackupCall final : public grpc::ServerWriteReactor<v1::BackupResponse> {
     if (!scene_.empty()) {
       if (Status good = scenes::check_scene_name(scene_); !good) return good;
     }
-    reader_.emplace(*parts_.store, scene_);
+    reader_.emplace(*parts_.store, scene_, *std::move(known_));
     return reader_->begin();
   }
 
@@ -101,6 +124,7 @@ class BackupCall final : public grpc::ServerWriteReactor<v1::BackupResponse> {
   grpc::CallbackServerContext& context_;
   const exec::Caller caller_;
   const std::string scene_;
+  Result<std::set<blobs::BlobDigest>> known_;  // until the reader has it
   std::atomic<bool> stop_{false};
   std::optional<BackupReader> reader_;
   v1::BackupResponse reply_;
@@ -179,8 +203,8 @@ class RestoreCall final : public grpc::ServerReadReactor<v1::RestoreRequest> {
     v1::RestoredScene& scene = *reply_.add_scenes();
     scene.set_name(restored.scene);
     scenes::encode_revision(restored.revision, *scene.mutable_revision());
-    spdlog::info("event=scene_restored scene={} revision={}", restored.scene,
-                 restored.revision.revision);
+    spdlog::info("event=scene_restored scene={} revision={}{}", restored.scene,
+                 restored.revision.revision, exec::call_ids_of(context_));
   }
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <string>
 #include <utility>
 
@@ -15,6 +16,7 @@
 #include "proto/printable.h"
 #include "server/exec/admission.h"
 #include "server/exec/quotas.h"
+#include "server/exec/trace_context.h"
 
 namespace sightline::server::exec {
 namespace {
@@ -104,10 +106,17 @@ std::string quote(std::string_view text) {
   return out;
 }
 
-std::string request_id_of(const grpc::ServerContextBase& context) {
-  const auto found = context.client_metadata().find(kRequestId);
-  if (found == context.client_metadata().end()) return {};
-  return " request_id=" + quote({found->second.data(), found->second.size()});
+std::string call_ids_of(const grpc::ServerContextBase& context) {
+  std::string ids;
+  const auto& metadata = context.client_metadata();
+  const auto request = metadata.find(kRequestId);
+  if (request != metadata.end())
+    ids += " request_id=" + quote({request->second.data(), request->second.size()});
+  const auto [first, last] = metadata.equal_range(kTraceParent);
+  if (first == last || std::next(first) != last) return ids;
+  const std::string_view trace = parse_trace_id({first->second.data(), first->second.size()});
+  if (!trace.empty()) ids.append(" trace_id=").append(trace);
+  return ids;
 }
 
 bool logs_rpcs() { return spdlog::should_log(spdlog::level::debug); }
@@ -119,11 +128,11 @@ void log_rpc(std::string_view method, const grpc::ServerContextBase& context,
       std::chrono::duration_cast<std::chrono::microseconds>(LogClock::now() - begun).count();
   const auto code = static_cast<int>(status.error_code());
   if (status.ok()) {
-    spdlog::debug("event=rpc method={} code={} us={}{} {}", method, code, us,
-                  request_id_of(context), more);
+    spdlog::debug("event=rpc method={} code={} us={}{} {}", method, code, us, call_ids_of(context),
+                  more);
   } else {
     spdlog::debug("event=rpc method={} code={} us={}{} error={} {}", method, code, us,
-                  request_id_of(context), quote(status.error_message()), more);
+                  call_ids_of(context), quote(status.error_message()), more);
   }
 }
 

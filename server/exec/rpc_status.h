@@ -70,8 +70,9 @@ std::string quote(std::string_view text);
 /// The metadata by which a client may name its request, for log lines.
 inline constexpr const char* kRequestId = "x-request-id";
 
-/// " request_id=" and the quoted name that the client gave the call; empty if it gave none.
-std::string request_id_of(const grpc::ServerContextBase& context);
+/// What the client says of a call, for its log lines: " request_id=" and the quoted name, then
+/// " trace_id=" and the id of its one valid traceparent. Each is left out where it is not given.
+std::string call_ids_of(const grpc::ServerContextBase& context);
 
 /// Starts when a call arrives; log_rpc() writes the time since.
 using LogClock = std::chrono::steady_clock;
@@ -80,7 +81,7 @@ using LogClock = std::chrono::steady_clock;
 bool logs_rpcs();
 
 /// Logs the end of a call in one line, at level debug: event=rpc method=... code=... us=...
-/// [request_id=...], then `more` ("key=value ..." or nothing).
+/// [request_id=...] [trace_id=...], then `more` ("key=value ..." or nothing).
 void log_rpc(std::string_view method, const grpc::ServerContextBase& context,
              const grpc::Status& status, LogClock::time_point begun, std::string_view more = {});
 

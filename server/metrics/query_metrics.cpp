@@ -26,16 +26,20 @@ std::size_t index_of(scenegraph::QueryKind kind) {
 }  // namespace
 
 QueryMetrics::QueryMetrics(prometheus::Registry& registry) {
-  auto& rays =
-      prometheus::BuildCounter().Name("rays_total").Help("Rays answered.").Register(registry);
-  auto& hits =
-      prometheus::BuildCounter().Name("hits_total").Help("Rays with a hit.").Register(registry);
+  auto& rays = prometheus::BuildCounter()
+                   .Name("sightline_rays_total")
+                   .Help("Rays answered.")
+                   .Register(registry);
+  auto& hits = prometheus::BuildCounter()
+                   .Name("sightline_hits_total")
+                   .Help("Rays with a hit.")
+                   .Register(registry);
   auto& unanswered = prometheus::BuildCounter()
-                         .Name("rays_unanswered_total")
+                         .Name("sightline_rays_unanswered_total")
                          .Help("Rays for which the time budget of their query was too short.")
                          .Register(registry);
   auto& seconds = prometheus::BuildHistogram()
-                      .Name("batch_seconds")
+                      .Name("sightline_batch_seconds")
                       .Help("Time from a batch's arrival to its answer, waiting included.")
                       .Register(registry);
   for (std::size_t i = 0; i < kKinds; ++i) {
@@ -46,23 +50,23 @@ QueryMetrics::QueryMetrics(prometheus::Registry& registry) {
     seconds_[i] = &seconds.Add(kind, kLatencyBuckets);
   }
   auto& builds = prometheus::BuildCounter()
-                     .Name("tree_builds_total")
+                     .Name("sightline_tree_builds_total")
                      .Help("Trees whose building has begun.")
                      .Register(registry);
   for (std::size_t i = 0; i < kReasons; ++i)
     builds_[i] = &builds.Add({{"reason", kReasonNames[i]}});
   cells_ = &prometheus::BuildCounter()
-                .Name("cells_expanded_total")
+                .Name("sightline_cells_expanded_total")
                 .Help("Cells of trees that were expanded.")
                 .Register(registry)
                 .Add({});
   build_seconds_ = &prometheus::BuildHistogram()
-                        .Name("tree_build_seconds")
+                        .Name("sightline_tree_build_seconds")
                         .Help("Time of all threads that a batch or a prefetch spent on building.")
                         .Register(registry)
                         .Add({}, kLatencyBuckets);
   wait_seconds_ = &prometheus::BuildHistogram()
-                       .Name("revision_wait_seconds")
+                       .Name("sightline_revision_wait_seconds")
                        .Help("Time that reads of a revision or a later one took to get it.")
                        .Register(registry)
                        .Add({}, kLatencyBuckets);

@@ -113,7 +113,7 @@ RpcMetrics::RpcMetrics(prometheus::Registry& registry)
                    .Help("Calls that have ended, by the code of their status.")
                    .Register(registry)),
       refused_(prometheus::BuildCounter()
-                   .Name("rejected_total")
+                   .Name("sightline_rejected_total")
                    .Help("Calls that ended with RESOURCE_EXHAUSTED, by the reason.")
                    .Register(registry)),
       seconds_(prometheus::BuildHistogram()

@@ -5,12 +5,12 @@ import {parse, quantileBetween, total} from './metrics.js';
 const kSeconds = 120;  // of a curve
 
 const kCounters = [
-  {name: 'Rays a second', value: (a, b, s) => (total(b, 'rays_total') - total(a, 'rays_total')) / s},
-  {name: 'Batches, p99, ms', value: (a, b) => 1000 * quantileBetween(a, b, 'batch_seconds', 0.99)},
-  {name: 'Rays in the queue', value: (a, b) => total(b, 'queue_depth', labels => labels.unit === 'rays')},
+  {name: 'Rays a second', value: (a, b, s) => (total(b, 'sightline_rays_total') - total(a, 'sightline_rays_total')) / s},
+  {name: 'Batches, p99, ms', value: (a, b) => 1000 * quantileBetween(a, b, 'sightline_batch_seconds', 0.99)},
+  {name: 'Rays in the queue', value: (a, b) => total(b, 'sightline_queue_rays')},
   {name: 'Cells built a second', value: (a, b, s) =>
-    (total(b, 'cells_expanded_total') - total(a, 'cells_expanded_total')) / s},
-  {name: 'Tree bytes', value: (a, b) => total(b, 'tree_bytes')},
+    (total(b, 'sightline_cells_expanded_total') - total(a, 'sightline_cells_expanded_total')) / s},
+  {name: 'Tree bytes', value: (a, b) => total(b, 'sightline_tree_bytes')},
   {name: 'Updates a second', value: (a, b, s) => (handled(b, 'ApplyUpdates') - handled(a, 'ApplyUpdates')) / s},
   {name: 'Memory, bytes', value: (a, b) => total(b, 'process_resident_memory_bytes')},
   {name: 'Processors', value: (a, b, s) =>
@@ -43,7 +43,7 @@ export class Counters {
   async update() {
     const reply = await fetch('/metrics');
     const now = {time: performance.now(), metrics: parse(await reply.text())};
-    this.connection.built = `${total(now.metrics, 'cells_expanded_total')} ${total(now.metrics, 'tree_bytes')}`;
+    this.connection.built = `${total(now.metrics, 'sightline_cells_expanded_total')} ${total(now.metrics, 'sightline_tree_bytes')}`;
     if (this.before) {
       const seconds = (now.time - this.before.time) / 1000;
       for (const row of this.rows) {

@@ -28,7 +28,7 @@ namespace {
 void log_if_slow(const char* method, const grpc::ServerContextBase& context, const CastJob& job,
                  std::chrono::milliseconds limit) {
   if (!job.is_slow(limit)) return;
-  spdlog::warn("event=slow_query method={}{} {}", method, exec::request_id_of(context),
+  spdlog::warn("event=slow_query method={}{} {}", method, exec::call_ids_of(context),
                job.slow_description());
 }
 

@@ -18,6 +18,9 @@ Status check_scene_name(std::string_view name);
 /// Checks a name projects/{project}. Errors: as check_scene_name().
 Status check_project_name(std::string_view name);
 
+/// Stands for the scenes of all projects in a list, as in https://google.aip.dev/159.
+inline constexpr std::string_view kAllProjects = "projects/-";
+
 /// The project part, "projects/{project}", of a checked scene name.
 std::string_view project_of(std::string_view scene_name);
 

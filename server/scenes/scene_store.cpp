@@ -126,7 +126,7 @@ Result<std::shared_ptr<StoredScene>> SceneStore::get(const std::string& name) {
 
 ScenePage SceneStore::list(const std::string& project, const std::string& after, std::size_t limit,
                            const Shown& shown) const {
-  const std::string prefix = project + "/";
+  const std::string prefix = project == kAllProjects ? "projects/" : project + "/";
   const std::lock_guard lock(mutex_);
   ScenePage page;
   for (auto it = scenes_.upper_bound(std::max(prefix, after)); it != scenes_.end(); ++it) {

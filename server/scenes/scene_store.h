@@ -61,8 +61,8 @@ class SceneStore {
   Result<std::shared_ptr<StoredScene>> get(const std::string& name);
   /// Whether a list shows the scene of this name. Must be short and call no member of the store.
   using Shown = std::function<bool(const std::string& name)>;
-  /// Up to `limit` scenes of "projects/{project}" whose names come after `after` (empty: from the
-  /// first) and that are shown; without `shown` all are.
+  /// Up to `limit` scenes of "projects/{project}", or of kAllProjects, whose names come after
+  /// `after` (empty: from the first) and that are shown; without `shown` all are.
   ScenePage list(const std::string& project, const std::string& after, std::size_t limit,
                  const Shown& shown = {}) const;
   /// Calls the listeners of the scene. Waits for the disk, where scenes are kept. Errors:

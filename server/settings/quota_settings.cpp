@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "server/exec/rpc_status.h"
+#include "server/settings/byte_size.h"
 #include "server/settings/sources.h"
 
 namespace sightline::server::settings {
@@ -34,6 +35,12 @@ Status set_quota(const SettingsFile& file, const Setting& setting, QuotaLimits& 
   if (!quota)
     return file.error(setting.line, fmt::format("there is no quota {}", exec::quote(setting.key)));
   std::uint64_t& limit = limits[static_cast<std::size_t>(*quota)];
+  if (*quota == Quota::kBytes || *quota == Quota::kStored) {
+    const auto bytes = parse_byte_size(setting.value, 0);
+    if (!bytes) return file.error(setting.line, bytes.error().message);
+    limit = *bytes;
+    return {};
+  }
   const char* end = setting.value.data() + setting.value.size();
   const auto [parsed_to, error] = std::from_chars(setting.value.data(), end, limit);
   if (error == std::errc{} && parsed_to == end) return {};
@@ -101,8 +108,8 @@ std::string print_quotas(const SettingsFile& file) {
     header = setting.header;
     const bool is_name = setting.key == kName;
     out += fmt::format("{} = {}  # file {}:{}\n", setting.key,
-                       is_name ? to_toml_string(setting.value) : setting.value, file.path.string(),
-                       setting.line);
+                       is_name ? to_toml_string(setting.value) : to_toml(setting.value),
+                       file.path.string(), setting.line);
   }
   return out;
 }

@@ -3,11 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
+#include <toml++/toml.h>
+#include <algorithm>
 #include <cerrno>
 #include <fstream>
-#include <set>
-#include <sstream>
+#include <functional>
+#include <optional>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -17,87 +18,93 @@
 namespace sightline::server::settings {
 namespace {
 
-bool is_quote(char c) { return c == '"' || c == '\''; }
+/// Bytes of a file at most.
+constexpr std::size_t kMostBytes = std::size_t{1} << 20;
 
-bool is_key(std::string_view key) {
-  return !key.empty() && key.find_first_not_of(
-                             "abcdefghijklmnopqrstuvwxyz"
-                             "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") == key.npos;
+std::size_t line_of(const toml::node& node) { return node.source().begin.line; }
+
+/// The text of a value; nothing for one that no setting has.
+std::optional<std::string> text_of(const toml::node& value) {
+  if (const auto* text = value.as_string()) return text->get();
+  if (const auto* number = value.as_integer()) return std::to_string(number->get());
+  if (const auto* number = value.as_floating_point()) return fmt::format("{}", number->get());
+  if (const auto* flag = value.as_boolean()) return flag->get() ? "true" : "false";
+  return {};
 }
 
-/// Whether the value is one of those that read_settings() takes. CLI11's reader takes more, and
-/// misreads some.
-bool is_plain(std::string_view value) {
-  if (value.empty()) return false;
-  if (!is_quote(value.front())) return value.find_first_of("\"'[]{}, \t") == value.npos;
-  const auto end = value.find(value.front(), 1);
-  return end + 1 == value.size() && (value.front() == '\'' || value.find('\\') == value.npos);
-}
+bool is_control(char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }
 
-/// Reads the lines of one file in order.
-class Reader {
+/// Gathers the settings of a table, and of the tables in it.
+class Gatherer {
  public:
-  explicit Reader(std::filesystem::path path) { file_.path = std::move(path); }
+  explicit Gatherer(SettingsFile& file) : file_(file) {}
 
-  Status add(const std::string& text) {
-    ++line_;
-    std::string trimmed = text;
-    CLI::detail::trim(trimmed);
-    if (trimmed.empty() || trimmed.front() == '#') return {};
-    return trimmed.front() == '[' ? begin_table(trimmed) : add_setting(trimmed);
-  }
-
-  SettingsFile take() { return std::move(file_); }
-
- private:
-  Status begin_table(std::string text) {
-    text = CLI::detail::trim_copy(text.substr(0, text.find('#')));
-    const bool is_list = text.starts_with("[[") && text.ends_with("]]");
-    const std::size_t brackets = is_list ? 2 : 1;
-    if (!text.ends_with(']') || text.size() <= 2 * brackets)
-      return file_.error(line_, fmt::format("{} is not [TABLE]", exec::quote(text)));
-    table_ = CLI::detail::trim_copy(text.substr(brackets, text.size() - 2 * brackets));
-    header_ = line_;
-    file_.headers.push_back({.table = table_, .is_list = is_list, .line = line_});
-    if (!is_list && !tables_.insert(table_).second)
-      return file_.error(line_, fmt::format("the table {} is there twice", exec::quote(table_)));
+  /// `name`: of the table; empty: the file itself.
+  Status add(const toml::table& table, const std::string& name, bool is_list) {
+    const std::size_t header = name.empty() ? 0 : line_of(table);
+    // Several in one line would have the same header.
+    if (table.is_inline()) {
+      return file_.error(header,
+                         fmt::format("{} has braces: write its header in brackets, and each "
+                                     "setting on a line of its own",
+                                     exec::quote(name)));
+    }
+    if (!name.empty()) file_.headers.push_back({.table = name, .is_list = is_list, .line = header});
+    for (const auto& [key, value] : table) {
+      const std::string inner =
+          name.empty() ? std::string(key.str()) : fmt::format("{}.{}", name, key.str());
+      Status added;
+      if (const toml::table* one = value.as_table()) {
+        added = add(*one, inner, false);
+      } else if (value.is_array_of_tables()) {
+        added = add_list(*value.as_array(), inner);
+      } else {
+        added = add_value(value, {name, header, std::string(key.str()), {}, 0});
+      }
+      if (!added) return added;
+    }
     return {};
   }
 
-  Status add_setting(const std::string& text) {
-    const std::size_t equals = text.find('=');
-    std::istringstream input(text);
-    const auto items = CLI::ConfigTOML().from_config(input);
-    if (equals == text.npos || !is_key(CLI::detail::trim_copy(text.substr(0, equals))) ||
-        items.size() != 1 || items.front().inputs.size() != 1 ||
-        !is_plain(value_text(text.substr(equals + 1)))) {
-      return file_.error(
-          line_, fmt::format("{} is not KEY = VALUE, with a number, true, false or a string "
-                             "without '#' and escapes",
-                             exec::quote(text)));
+ private:
+  Status add_list(const toml::array& tables, const std::string& name) {
+    for (const toml::node& table : tables) {
+      if (Status added = add(*table.as_table(), name, true); !added) return added;
     }
-    Setting setting{.table = table_,
-                    .header = header_,
-                    .key = items.front().name,
-                    .value = items.front().inputs.front(),
-                    .line = line_};
-    if (!keys_.insert({header_, setting.key}).second)
-      return file_.error(line_, fmt::format("{} is set twice", exec::quote(setting.key)));
+    return {};
+  }
+
+  Status add_value(const toml::node& value, Setting setting) {
+    setting.line = line_of(value);
+    auto text = text_of(value);
+    if (!text || std::ranges::any_of(*text, is_control)) {
+      return file_.error(setting.line,
+                         fmt::format("{} is neither a number, true or false, nor a string without "
+                                     "control characters",
+                                     exec::quote(setting.key)));
+    }
+    setting.value = *std::move(text);
     file_.settings.push_back(std::move(setting));
     return {};
   }
 
-  /// The text of a value, cut as CLI11 does.
-  static std::string value_text(const std::string& text) {
-    return CLI::detail::trim_copy(text.substr(0, text.find('#')));
-  }
-
-  SettingsFile file_;
-  std::size_t line_ = 0, header_ = 0;
-  std::string table_;
-  std::set<std::string> tables_;
-  std::set<std::pair<std::size_t, std::string>> keys_;
+  SettingsFile& file_;
 };
+
+Result<std::string> content_of(const std::filesystem::path& path) {
+  errno = 0;
+  std::ifstream in(path, std::ios::binary);
+  std::string content(kMostBytes + 1, '\0');
+  in.read(content.data(), static_cast<std::streamsize>(content.size()));
+  content.resize(static_cast<std::size_t>(in.gcount()));
+  std::string why;
+  if (!in.eof())
+    why = in ? fmt::format("it has more than {} bytes", kMostBytes)
+             : std::generic_category().message(errno);
+  if (why.empty()) return content;
+  return Error{Code::kNotFound, fmt::format("cannot read the settings {}: {}", path.string(), why),
+               kBadSettings};
+}
 
 }  // namespace
 
@@ -106,18 +113,19 @@ Error SettingsFile::error(std::size_t line, const std::string& why) const {
 }
 
 Result<SettingsFile> read_settings(const std::filesystem::path& path) {
-  errno = 0;
-  std::ifstream in(path);
-  Reader reader(path);
-  std::string line;
-  while (std::getline(in, line)) {
-    if (const Status added = reader.add(line); !added) return added.error();
+  const auto content = content_of(path);
+  if (!content) return content.error();
+  SettingsFile file{.path = path, .settings = {}, .headers = {}};
+  try {
+    const Status gathered = Gatherer(file).add(toml::parse(*content), {}, false);
+    if (!gathered) return gathered.error();
+  } catch (const toml::parse_error& error) {
+    return file.error(error.source().begin.line, std::string(error.description()));
   }
-  if (in.eof()) return reader.take();
-  return Error{Code::kNotFound,
-               fmt::format("cannot read the settings {}: {}", path.string(),
-                           std::generic_category().message(errno)),
-               kBadSettings};
+  // toml++ sorts keys by their names.
+  std::ranges::stable_sort(file.settings, {}, &Setting::line);
+  std::ranges::stable_sort(file.headers, {}, &TableHeader::line);
+  return file;
 }
 
 }  // namespace sightline::server::settings

@@ -13,12 +13,12 @@ namespace sightline::server::settings {
 /// The reason of all errors of settings.
 inline constexpr const char* kBadSettings = "BAD_SETTINGS";
 
-/// One line KEY = VALUE.
+/// One KEY = VALUE.
 struct Setting {
   std::string table;       ///< The table that it is in, "a.b" of [a.b] and of [[a.b]]. Empty: none.
   std::size_t header = 0;  ///< The line of the table's header: tables of a list differ in it.
   std::string key;
-  std::string value;     ///< Without its quotes.
+  std::string value;     ///< Without quotes and escapes.
   std::size_t line = 0;  ///< From 1.
 };
 
@@ -39,9 +39,9 @@ struct SettingsFile {
   Error error(std::size_t line, const std::string& why) const;
 };
 
-/// Reads KEY = VALUE, [table], [[table]] and comments; a value is a number, true, false or a string
-/// on the same line, without escapes. Errors: kInvalidArgument, naming the file and the line (not
-/// such a line, a key or a table that is there twice); kNotFound, if the file cannot be read.
+/// Reads a file of TOML of at most 1 MiB. A value is a number, true, false or a string without
+/// control characters; tables have headers. Errors: kInvalidArgument, naming the file and the line
+/// (not TOML, another value); kNotFound, if the file cannot be read.
 Result<SettingsFile> read_settings(const std::filesystem::path& path);
 
 }  // namespace sightline::server::settings

@@ -91,8 +91,14 @@ std::string to_toml(const std::string& value) {
 }
 
 std::string to_toml_string(const std::string& text) {
-  const char quote = text.find_first_of("\"\\") == text.npos ? '"' : '\'';
-  return quote + text + quote;
+  if (text.find_first_of("\"\\") != text.npos && text.find('\'') == text.npos)
+    return "'" + text + "'";
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return quoted + '"';
 }
 
 std::string print_settings(const CLI::App& app, const Sources& sources, const ShowSetting& show) {

@@ -13,6 +13,7 @@
 #include "proto/printable.h"
 #include "scenegraph/query/shard_cut.h"
 #include "server/exec/rpc_status.h"
+#include "server/exec/trace_context.h"
 #include "server/net/listen_address.h"
 
 namespace sightline::server::shards {
@@ -112,7 +113,7 @@ void Peers::ping() const {
 
 Peer::Context Peers::context_for(const grpc::CallbackServerContext& caller) {
   Peer::Context context = grpc::ClientContext::FromCallbackServerContext(caller);
-  for (const char* const header : {"authorization", exec::kRequestId}) {
+  for (const char* const header : {"authorization", exec::kRequestId, exec::kTraceParent}) {
     const auto [first, last] = caller.client_metadata().equal_range(header);
     for (auto at = first; at != last; ++at) {
       const std::string value(at->second.data(), at->second.size());

@@ -189,7 +189,7 @@ void ApplyJob::log() const {
   if (reply_.replayed()) return;
   spdlog::log(changes_content(request_) ? spdlog::level::info : spdlog::level::debug,
               "event=scene_updated scene={} revision={} updates={}{}", scene_->info().name,
-              reply_.revision().revision(), request_.updates_size(), exec::request_id_of(context_));
+              reply_.revision().revision(), request_.updates_size(), exec::call_ids_of(context_));
 }
 
 void ApplyJob::end(const Status& status) {

@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <atomic>
+#include <chrono>
 #include <iterator>
 #include <memory>
 #include <utility>
@@ -135,9 +136,12 @@ class PutSceneCall final : public grpc::ServerReadReactor<v1::PutSceneRequest> {
     if (!summary) return summary.error();
     const auto scene = services_.scenes.put(scene_.draft, scene_.replace);
     if (!scene) return scene.error();
-    spdlog::info("event=scene_put scene={} nodes={} meshes={} triangles={} replace={}{}",
-                 (*scene)->info().name, nodes, summary->meshes, summary->triangles_unique,
-                 scene_.replace, exec::request_id_of(context_));
+    const auto time =
+        std::chrono::duration_cast<std::chrono::milliseconds>(exec::LogClock::now() - begun_);
+    spdlog::info(
+        "event=scene_put scene={} nodes={} meshes={} triangles={} bytes={} replace={} ms={}{}",
+        (*scene)->info().name, nodes, summary->meshes, summary->triangles_unique,
+        summary->bytes_geometry, scene_.replace, time.count(), exec::call_ids_of(context_));
     // It is made: if it cannot be read back now, its first reader is told why.
     static_cast<void>((*scene)->load(services_.compute));
     encode_scene((*scene)->info(), (*scene)->token(summary->revision), *summary,

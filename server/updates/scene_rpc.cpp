@@ -135,8 +135,7 @@ Status SceneRpc::create(const grpc::ServerContextBase& context,
   const auto scene = services_.scenes.create(std::move(*info));
   if (!scene) return scene.error();
   if (Status encoded = encode(**scene, *reply.mutable_scene()); !encoded) return encoded;
-  spdlog::info("event=scene_created scene={}{}", (*scene)->info().name,
-               exec::request_id_of(context));
+  spdlog::info("event=scene_created scene={}{}", (*scene)->info().name, exec::call_ids_of(context));
   return {};
 }
 
@@ -148,15 +147,18 @@ Status SceneRpc::get(const v1::GetSceneRequest& request, v1::GetSceneResponse& r
 
 Status SceneRpc::list(const grpc::CallbackServerContext& context,
                       const v1::ListScenesRequest& request, v1::ListScenesResponse& reply) {
-  if (Status good = scenes::check_project_name(request.parent()); !good) return good;
+  const bool all = request.parent() == scenes::kAllProjects;
+  if (!all) {
+    if (Status good = scenes::check_project_name(request.parent()); !good) return good;
+  }
   if (request.page_size() < 0) {
     return Error{Code::kInvalidArgument,
                  fmt::format("page_size is {}, expected 0 to {}", request.page_size(), kMaxPage),
                  "BAD_PAGE_SIZE"};
   }
   const std::string& token = request.page_token();
-  if (!token.empty() &&
-      (!scenes::check_scene_name(token) || scenes::project_of(token) != request.parent())) {
+  if (!token.empty() && (!scenes::check_scene_name(token) ||
+                         (!all && scenes::project_of(token) != request.parent()))) {
     return Error{
         Code::kInvalidArgument,
         fmt::format("page_token {} is not from a list of {}", exec::quote(token), request.parent()),
@@ -178,7 +180,7 @@ Status SceneRpc::remove(const grpc::ServerContextBase& context,
                         const v1::DeleteSceneRequest& request) {
   if (Status good = scenes::check_scene_name(request.name()); !good) return good;
   if (Status removed = services_.scenes.remove(request.name()); !removed) return removed;
-  spdlog::info("event=scene_deleted scene={}{}", request.name(), exec::request_id_of(context));
+  spdlog::info("event=scene_deleted scene={}{}", request.name(), exec::call_ids_of(context));
   return {};
 }
 
@@ -198,7 +200,7 @@ Status SceneRpc::cool(const grpc::ServerContextBase& context, const v1::CoolScen
   reply.set_bytes_freed((*scene)->drop_trees());
   scenes::free_dropped_trees();
   spdlog::info("event=scene_cooled scene={} bytes={}{}", request.scene(), reply.bytes_freed(),
-               exec::request_id_of(context));
+               exec::call_ids_of(context));
   return {};
 }
 

@@ -109,7 +109,7 @@ openssl         server client/*.cpp
 sqlite3.h       server/store
 libpq-fe.h      server/store/postgres
 CLI             server client/cli
-toml++          server/security
+toml++          server/security server/settings
 nlohmann        server client/cli client/importer client/load
 png.h           client/cli/picture
 assimp          client/importer

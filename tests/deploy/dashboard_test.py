@@ -1,13 +1,17 @@
 #!/usr/bin/env python3
-"""Every metric that the dashboard and the alerts ask for exists in a running server, and every query is valid."""
+"""Every metric that the dashboard and the alerts ask for exists in a running server, and every query is valid.
+
+None is asked for by a name that ends with the next version. Prometheus' linter has no complaint about names, helps and types.
+"""
 
 import json
 import pathlib
 import re
+import subprocess
 import sys
 import tempfile
 
-from operator_files import DEPLOY, metric_names, needs, run, server
+from operator_files import DEPLOY, metric_names, metrics, needs, run, server
 
 # Metrics that Prometheus itself adds.
 OWN = {"up"}
@@ -65,8 +69,15 @@ def main():
         run("openssl", "req", "-x509", "-newkey", "ed25519", "-nodes", "-subj", "/CN=localhost", "-keyout", key,
             "-out", certificate)
         with server(sys.argv[1], "--config", settings, "--data-dir", f"{folder}/data", "--tls-cert", certificate,
-                    "--tls-key", key) as url:
-            there = metric_names(url) | OWN
+                    "--tls-key", key, "--metrics-per-scene") as url:
+            text = metrics(url)
+    linted = subprocess.run(["promtool", "check", "metrics"], input=text, text=True, capture_output=True, check=False)
+    if linted.returncode != 0 or linted.stdout or linted.stderr:
+        sys.exit(f"failed: {linted.stdout}{linted.stderr}")
+    current = re.sub(r"(?m)^# HELP (\w+) Deprecated, .*\n# TYPE .*\n(\1.*\n)+", "", text)
+    if "rays_total" not in metric_names(text) or "rays_total" in metric_names(current):
+        sys.exit("failed: the old names were not found")
+    there = metric_names(current) | OWN
     missing = {(name, query) for query in dashboard + alerts for name in names_in(query) - there}
     for name, query in sorted(missing):
         print(f"{name} is no metric of the server: {query}")

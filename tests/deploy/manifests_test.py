@@ -3,16 +3,19 @@
 
 manifests_test.py SIGHTLINED
 
-kubectl --dry-run=client asks a cluster what kinds there are, so it cannot be used without one.
+kubectl --dry-run=client asks a cluster what kinds there are, so it cannot be used without one. It renders kustomizations alone.
 """
 
 import importlib
 import os
+import pathlib
 import re
+import shutil
 import subprocess
 import sys
+import tempfile
 
-from operator_files import DEPLOY, SKIPPED
+from operator_files import DEPLOY, SKIPPED, run
 
 SYSTEM_PYTHON = "/usr/bin/python3"
 # Kinds, and the classes that Debian 12's client has for them: its Kubernetes is 1.22, in which autoscaling/v2 still has the name that
@@ -83,6 +86,37 @@ def check_settings(program, container):
             sys.exit(f"failed: {name} is no setting")
 
 
+def rendered(name):
+    """The text of all objects of a kustomization. Debian 12's kubectl is of 2020: it has older words for the same."""
+    if shutil.which("kubectl") is None:
+        return None
+    with tempfile.TemporaryDirectory() as folder:
+        shutil.copytree(DEPLOY / "kubernetes", folder, dirs_exist_ok=True)
+        for file in pathlib.Path(folder).glob("*/kustomization.yaml"):
+            text = file.read_text().replace("resources:\n  - ../", "bases:\n  - ../")
+            file.write_text(re.sub(r"(?m)^  - path: ", "  - ", text.replace("\npatches:\n", "\npatchesStrategicMerge:\n")))
+        return run("kubectl", "kustomize", f"{folder}/{name}")
+
+
+def check_site(yaml, documents):
+    """The example changes what it names, and all of it."""
+    wanted = yaml.safe_load((DEPLOY / "kubernetes/site/kustomization.yaml").read_text())
+    size, = yaml.safe_load((DEPLOY / "kubernetes/site/size.yaml").read_text())["spec"]["template"]["spec"]["containers"]
+    if {one.metadata.namespace for one in documents} != {wanted["namespace"]}:
+        sys.exit("failed: an object of the site is in another namespace")
+    deployment, = (one for one in documents if one.kind == "Deployment")
+    container, = deployment.spec.template.spec.containers
+    image, = wanted["images"]
+    if container.image != f"{image['newName']}:{image['newTag']}":
+        sys.exit(f"failed: the site has the image {container.image}")
+    values = {one.name: one.value for one in container.env}
+    for one in size["env"]:
+        if values[one["name"]] != one["value"]:
+            sys.exit(f"failed: the site has {one['name']}={values[one['name']]}")
+    if container.resources.limits != size["resources"]["limits"] or len(values) < 10:
+        sys.exit("failed: the site lost settings, or its size")
+
+
 def main():
     try:
         yaml = importlib.import_module("yaml")
@@ -94,9 +128,19 @@ def main():
         print(f"skipped: {error}")
         sys.exit(SKIPPED)
     checked = 0
-    for file in sorted((DEPLOY / "kubernetes").glob("*.yaml")):
-        documents = [check(client, CLASSES[one["apiVersion"], one["kind"]], one, f"{file.name}: {one['kind']}")
-                     for one in yaml.safe_load_all(file.read_text())]
+    folders = sorted(file.parent for file in (DEPLOY / "kubernetes").glob("*/kustomization.yaml"))
+    if [folder.name for folder in folders] != ["embedded", "replicas", "site"]:
+        sys.exit("failed: the kustomizations are others than this test knows")
+    for folder in folders:
+        listed = yaml.safe_load((folder / "kustomization.yaml").read_text())["resources"]
+        text = rendered(folder.name) or "".join((folder / one).read_text() for one in listed if not one.startswith("../"))
+        documents = [check(client, CLASSES[one["apiVersion"], one["kind"]], one, f"{folder.name}: {one['kind']}")
+                     for one in yaml.safe_load_all(text)]
+        if folder.name == "site":
+            if not documents:
+                print("the site is not rendered: there is no kubectl")
+                continue
+            check_site(yaml, documents)
         workload, = (one for one in documents if one.kind in ("Deployment", "StatefulSet"))
         check_settings(sys.argv[1], check_pods(workload, documents))
         checked += len(documents)
@@ -105,7 +149,7 @@ def main():
         if not services[name]["read_only"]:
             sys.exit(f"failed: {name} may write to its root")
     rules = yaml.safe_load((DEPLOY / "prometheus/adapter_rules.yml").read_text())["rules"]
-    scaled = (DEPLOY / "kubernetes/replicas.yaml").read_text()
+    scaled = (DEPLOY / "kubernetes/replicas/replicas.yaml").read_text()
     if f"name: {rules[0]['name']['as']}" not in scaled:
         sys.exit("failed: the replicas are scaled by another metric than the adapter makes")
     print(f"{checked} objects")

@@ -47,8 +47,12 @@ def server(program, *flags):
             process.stderr.read()
 
 
-def metric_names(url):
-    """The names of all series of a server: those of a histogram have endings."""
+def metrics(url):
+    """The text of all metrics of a server."""
     with urllib.request.urlopen(url + "/metrics", timeout=30) as reply:
-        lines = reply.read().decode().splitlines()
-    return {re.match(r"\w+", line)[0] for line in lines if line and not line.startswith("#")}
+        return reply.read().decode()
+
+
+def metric_names(text):
+    """The names of all series: those of a histogram have endings."""
+    return {re.match(r"\w+", line)[0] for line in text.splitlines() if line and not line.startswith("#")}

@@ -53,10 +53,10 @@ def scrape(url):
             print(f"$ curl {url}{page}\n{reply.status} {reply.read().decode().strip()}")
     with urllib.request.urlopen(url + "/metrics", timeout=30) as reply:
         lines = reply.read().decode().splitlines()
-    print(f"$ curl {url}/metrics | grep -E '^(rays_total|commit_seconds|blob_bytes|certificate)'")
-    found = [line for line in lines if re.match(r"rays_total|commit_seconds|blob_bytes|certificate", line)]
+    print(f"$ curl {url}/metrics | grep -E '^sightline_(rays_total|commit_seconds|blob_bytes|certificate)'")
+    found = [line for line in lines if re.match(r"sightline_(rays_total|commit_seconds|blob_bytes|certificate)", line)]
     print("\n".join(found))
-    if not any(line.startswith('rays_total{kind="closest"} 19') for line in found):
+    if not any(line.startswith('sightline_rays_total{kind="closest"} 19') for line in found):
         sys.exit("failed: the rays were not counted")
 
 

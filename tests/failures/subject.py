@@ -68,7 +68,7 @@ class Subject:
             url = f"http://127.0.0.1:{replica['admin_port']}/metrics"
             with urllib.request.urlopen(url, timeout=10) as reply:
                 lines = reply.read().decode().splitlines()
-            return sum(float(line.split()[-1]) for line in lines if line.startswith("rays_total{"))
+            return sum(float(line.split()[-1]) for line in lines if line.startswith("sightline_rays_total{"))
         replicas = self.status()["replicas"]
         before = [rays(replica) for replica in replicas]
         grown = [0.0]

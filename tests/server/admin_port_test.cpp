@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <map>
+#include <sstream>
 #include <string>
 #include <thread>
 
@@ -39,25 +41,26 @@ class AdminPort : public LiveServer {
 };
 
 TEST_F(AdminPort, CountsRaysHitsAndBuilds) {
-  EXPECT_EQ(metric("rays_total{kind=\"closest\"}"), 0);
+  EXPECT_EQ(metric("sightline_rays_total{kind=\"closest\"}"), 0);
   api_.make_scene(kScene, planar_sheet(1));
   v1::CastRaysResponse reply;
   auto request = cast_request(kScene, rays_downward(1000));
   ASSERT_TRUE(api_.cast(request, &reply).ok());
-  EXPECT_EQ(metric("rays_total{kind=\"closest\"}"), 1000);
-  EXPECT_EQ(metric("hits_total{kind=\"closest\"}"), static_cast<double>(reply.stats().hits()));
-  EXPECT_EQ(metric("batch_seconds_count{kind=\"closest\"}"), 1);
-  EXPECT_GT(metric("tree_builds_total{reason=\"lazy\"}"), 0);
-  EXPECT_EQ(metric("tree_builds_total{reason=\"full\"}"), 0);
-  EXPECT_EQ(metric("tree_build_seconds_count"), 1);
+  EXPECT_EQ(metric("sightline_rays_total{kind=\"closest\"}"), 1000);
+  EXPECT_EQ(metric("sightline_hits_total{kind=\"closest\"}"),
+            static_cast<double>(reply.stats().hits()));
+  EXPECT_EQ(metric("sightline_batch_seconds_count{kind=\"closest\"}"), 1);
+  EXPECT_GT(metric("sightline_tree_builds_total{reason=\"lazy\"}"), 0);
+  EXPECT_EQ(metric("sightline_tree_builds_total{reason=\"full\"}"), 0);
+  EXPECT_EQ(metric("sightline_tree_build_seconds_count"), 1);
   request.set_build(v1::BUILD_MODE_FULL);
   request.set_kind(v1::QUERY_KIND_ANY);
   request.clear_fields();
   api_.make_scene("projects/p/scenes/full", random_soup(2000, 0.1, 11));
   request.set_scene("projects/p/scenes/full");
   ASSERT_TRUE(api_.cast(request, &reply).ok());
-  EXPECT_EQ(metric("rays_total{kind=\"any\"}"), 1000);
-  EXPECT_GT(metric("tree_builds_total{reason=\"full\"}"), 0);
+  EXPECT_EQ(metric("sightline_rays_total{kind=\"any\"}"), 1000);
+  EXPECT_GT(metric("sightline_tree_builds_total{reason=\"full\"}"), 0);
 }
 
 TEST_F(AdminPort, CountsCallsByTheirStatus) {
@@ -72,16 +75,55 @@ TEST_F(AdminPort, CountsCallsByTheirStatus) {
   EXPECT_EQ(metric("grpc_server_handled_total{grpc_code=\"INVALID_ARGUMENT\"," + method + "}"), 1);
 }
 
+TEST_F(AdminPort, OldNamesOfMetricsHaveTheSameValues) {
+  const std::string text = get("/metrics");
+  for (const std::string name : {"rays_total", "batch_seconds", "scenes", "quota_limit"}) {
+    EXPECT_NE(
+        text.find("\n# HELP " + name +
+                  " Deprecated, the next version does not have it: use sightline_" + name + ".\n"),
+        std::string::npos)
+        << name;
+  }
+  EXPECT_EQ(metric("memory_budget_bytes"), metric("sightline_memory_budget_bytes"));
+  EXPECT_EQ(metric("tree_bytes_evicted_total"), metric("sightline_tree_evicted_bytes_total"));
+  EXPECT_EQ(metric("queue_limit{unit=\"rays\"}"), metric("sightline_queue_limit_rays"));
+  EXPECT_EQ(metric("queue_limit{unit=\"bytes\"}"), metric("sightline_queue_limit_bytes"));
+  EXPECT_EQ(text.find("\nbuild_info"), std::string::npos);
+
+  // Prometheus refuses a text in which a name has two types, or two parts.
+  std::map<std::string, int> types;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("# TYPE ")) ++types[line.substr(7, line.find(' ', 7) - 7)];
+  }
+  for (const auto& [name, count] : types) EXPECT_EQ(count, 1) << name;
+}
+
+TEST_F(AdminPort, EveryNameBeginsAsItMust) {
+  std::istringstream lines(get("/metrics"));
+  for (std::string line, help; std::getline(lines, line);) {
+    if (line.starts_with("# HELP ")) help = line;
+    if (!line.starts_with("# TYPE ") || help.find(" Deprecated, ") != std::string::npos) continue;
+    const std::string name = line.substr(7, line.find(' ', 7) - 7);
+    EXPECT_TRUE(name.starts_with("sightline_") || name.starts_with("grpc_server_") ||
+                name.starts_with("process_"))
+        << name;
+    EXPECT_EQ(line.ends_with(" counter"), name.ends_with("_total")) << line;
+  }
+}
+
 TEST_F(AdminPort, ShowsWhatIsHeldAndLimited) {
   api_.make_scene(kScene, planar_sheet(1));
-  EXPECT_EQ(metric("memory_budget_bytes"), static_cast<double>(test_config().memory_budget));
-  EXPECT_GT(metric("memory_used_bytes{kind=\"meshes\"}"), 0);
-  EXPECT_EQ(metric("queue_depth{unit=\"rays\"}"), 0);
-  EXPECT_GT(metric("queue_limit{unit=\"rays\"}"), 0);
-  EXPECT_EQ(metric("quota_limit{principal=\"others\",quota=\"concurrent-work\"}"), 1000);
-  EXPECT_EQ(metric("quota_refused_total{principal=\"others\",quota=\"concurrent-work\"}"), 0);
-  EXPECT_EQ(metric("scenes"), 1);
-  EXPECT_GT(metric("scene_revision{scene=\"" + kScene + "\"}"), 0);
+  EXPECT_EQ(metric("sightline_memory_budget_bytes"),
+            static_cast<double>(test_config().memory_budget));
+  EXPECT_GT(metric("sightline_memory_used_bytes{kind=\"meshes\"}"), 0);
+  EXPECT_EQ(metric("sightline_queue_rays"), 0);
+  EXPECT_GT(metric("sightline_queue_limit_rays"), 0);
+  EXPECT_EQ(metric("sightline_quota_limit{principal=\"others\",quota=\"concurrent-work\"}"), 1000);
+  EXPECT_EQ(metric("sightline_quota_refused_total{principal=\"others\",quota=\"concurrent-work\"}"),
+            0);
+  EXPECT_EQ(metric("sightline_scenes"), 1);
+  EXPECT_GT(metric("sightline_scene_revision{scene=\"" + kScene + "\"}"), 0);
   EXPECT_GT(metric("process_resident_memory_bytes"), 1e6);
   EXPECT_GT(metric("process_open_fds"), 3);
   EXPECT_GT(metric("process_start_time_seconds"), 1.6e9);

@@ -131,6 +131,42 @@ TEST(CommandLine, AFlagGoesBeforeTheEnvironmentAndThatBeforeTheFile) {
   EXPECT_TRUE(config.metrics_per_scene);
 }
 
+TEST(CommandLine, EverySettingOfBytesTakesUnits) {
+  const TemporaryFile file(
+      "max-bytes-queued = \"64MiB\"\n[quota]\nbytes-per-second = \"200MB\"\nbytes-stored = "
+      "\"10G\"\n");
+  const Variable budget("SIGHTLINED_MEMORY_BUDGET", "4g");
+  const auto line = parse({"--config", file.path().c_str()});
+  ASSERT_TRUE(std::holds_alternative<CommandLine>(line));
+  const ServerConfig& config = std::get<CommandLine>(line).config;
+  EXPECT_EQ(config.memory_budget, std::uint64_t{4} << 30);
+  EXPECT_EQ(config.admission.bytes, std::uint64_t{64} << 20);
+  EXPECT_EQ(config.quotas.others, (exec::QuotaLimits{0, 200'000'000, 0, std::uint64_t{10} << 30}));
+  const auto flag = parse({"--memory-budget", "512MiB"});
+  EXPECT_EQ(std::get<CommandLine>(flag).config.memory_budget, std::uint64_t{512} << 20);
+
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(std::get<int>(parse({"--config", file.path().c_str(), "--print-config"})), 0);
+  const std::string text = testing::internal::GetCapturedStdout();
+  for (const std::string part :
+       {"memory-budget = \"4g\"  # environment", "max-bytes-queued = \"64MiB\"  # file",
+        "bytes-per-second = \"200MB\"  # file", "bytes-stored = \"10G\"  # file"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << " in " << text;
+}
+
+TEST(CommandLine, AWrongSizeIsNamedWithItsLimits) {
+  for (const char* const wrong : {"4Q", "1.5G", "99999999999G", "0k"}) {
+    const std::string error = usage_error({"--memory-budget", wrong});
+    EXPECT_NE(error.find("\"" + std::string(wrong) + "\" is not a size from 1 to "),
+              std::string::npos)
+        << error;
+  }
+  const TemporaryFile file("[quota]\nbytes-stored = \"10X\"\n");
+  const std::string error = usage_error({"--config", file.path().c_str()});
+  EXPECT_NE(error.find(file.path() + ":2: \"10X\" is not a size from 0 to "), std::string::npos)
+      << error;
+}
+
 TEST(CommandLine, TheEnvironmentMayNameTheFile) {
   const TemporaryFile file("threads = 3\n[quota]\nrays-per-second = 5\n");
   const Variable named("SIGHTLINED_CONFIG", file.path().c_str());
@@ -190,6 +226,17 @@ TEST(CommandLine, PrintsWhereEachValueComesFrom) {
   EXPECT_EQ(std::get<CommandLine>(again).config.data_dir, "d");
   EXPECT_EQ(std::get<CommandLine>(again).config.policy, scenegraph::Growth::kFull);
   EXPECT_EQ(std::get<CommandLine>(again).config.quotas.others[0], 5u);
+}
+
+TEST(CommandLine, PrintsEveryStringSoThatItIsReadAgain) {
+  for (const std::string path : {"a", "a\"b", "a\\b", "a'b", "a'\"\\b#"}) {
+    testing::internal::CaptureStdout();
+    EXPECT_EQ(std::get<int>(parse({"--data-dir", path.c_str(), "--print-config"})), 0);
+    const TemporaryFile printed(testing::internal::GetCapturedStdout());
+    const auto again = parse({"--config", printed.path().c_str()});
+    ASSERT_TRUE(std::holds_alternative<CommandLine>(again)) << path;
+    EXPECT_EQ(std::get<CommandLine>(again).config.data_dir, path);
+  }
 }
 
 TEST(CommandLine, PrintsNoPassword) {

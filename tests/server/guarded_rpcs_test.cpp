@@ -139,6 +139,8 @@ TEST_F(GuardedRpcs, AListShowsWhatMayBeRead) {
   ASSERT_TRUE(create(kWriter, kOwnScene).ok());
   EXPECT_EQ(list(kReader, "projects/site"), std::vector{kOwnScene});
   EXPECT_TRUE(list(kStranger, "projects/site").empty());
+  EXPECT_EQ(list(kReader, "projects/-"), std::vector{kOwnScene});
+  EXPECT_TRUE(list(kStranger, "projects/-").empty());
 }
 
 TEST_F(GuardedRpcs, TheSceneOfAStreamIsCheckedToo) {

@@ -15,6 +15,7 @@ namespace {
 struct BackupArguments {
   std::string directory;
   std::string scene;  // empty: all
+  std::string since;  // empty: no earlier backup
   std::uint64_t revision = 0;
 };
 
@@ -22,8 +23,9 @@ ExitCode back_up(const Session& session, const BackupArguments& arguments) {
   const Interrupt interrupt;
   const auto client = session.connect();
   if (!client) return fail(client.error());
-  const auto scenes =
-      client->backup(arguments.directory, {.scene = arguments.scene, .stop = interrupt.token()});
+  const auto scenes = client->backup(
+      arguments.directory,
+      {.scene = arguments.scene, .since = arguments.since, .stop = interrupt.token()});
   if (!scenes && interrupt.happened()) return say_interrupted();
   if (!scenes) return fail(scenes.error());
   if (session.json) {
@@ -65,8 +67,12 @@ ExitCode restore(const Session& session, const BackupArguments& arguments) {
 constexpr const char* kBackupFooter =
     R"(The directory must be empty or missing. Writers go on: each scene is copied as it is when its turn comes.
 
+With --since the sums of the earlier backup are compared first. Its files of meshes that the server still has become hard
+links, or copies on another file system: each backup is whole, and either may be deleted.
+
 Examples:
   sightline backup /var/backups/sightline/monday
+  sightline backup /var/backups/sightline/tuesday --since /var/backups/sightline/monday
   sightline backup engine-only --scene engine)";
 
 constexpr const char* kRestoreFooter =
@@ -90,9 +96,14 @@ CLI::App& add_verb(CLI::App& program, const char* name, const char* help, Sessio
 }  // namespace
 
 void add_backup_verbs(CLI::App& program, Session& session) {
-  add_verb(program, "backup", "Copy the server's scenes to a directory", session,
-           std::make_shared<BackupArguments>(), back_up)
-      .footer(kBackupFooter);
+  const auto copied = std::make_shared<BackupArguments>();
+  CLI::App& backup = add_verb(program, "backup", "Copy the server's scenes to a directory", session,
+                              copied, back_up);
+  backup
+      .add_option("--since", copied->since,
+                  "An earlier backup: what it has of meshes is linked, and not sent again")
+      ->type_name("DIR");
+  backup.footer(kBackupFooter);
   const auto arguments = std::make_shared<BackupArguments>();
   CLI::App& verb =
       add_verb(program, "restore", "Put the scenes of a backup back", session, arguments, restore);

@@ -15,6 +15,7 @@ namespace sightline::client::cli::verbs {
 namespace {
 
 constexpr const char* kDefaultProject = "projects/default";
+constexpr const char* kAllProjects = "projects/-";
 
 Json json_of(const SceneInfo& scene) {
   Json row{{"scene", scene.name},
@@ -70,10 +71,10 @@ std::string short_name(const std::string& name) {
   return name.starts_with(prefix) ? name.substr(prefix.size()) : name;
 }
 
-ExitCode list(const Session& session) {
+ExitCode list(const Session& session, const std::string& project) {
   const auto client = session.connect();
   if (!client) return fail(client.error());
-  const auto scenes = client->list_scenes(kDefaultProject);
+  const auto scenes = client->list_scenes(project);
   if (!scenes) return fail(scenes.error());
   if (session.json) {
     Json rows = Json::array();
@@ -225,6 +226,37 @@ ExitCode show_stats(const Session& session, const std::string& scene) {
 
 }  // namespace
 
+namespace {
+
+std::string check_project(const std::string& text) {
+  if (is_id(text)) return {};
+  return "'" + text +
+         "' is no project: 1 to 63 of a-z 0-9 . _ -, the first a letter or digit; --all lists the "
+         "scenes of every project";
+}
+
+void add_list_verb(CLI::App& group, Session& session) {
+  CLI::App& verb = *group.add_subcommand("ls", "List the scenes of the default project");
+  const auto project = std::make_shared<std::string>(kDefaultProject);
+  CLI::Option* const named =
+      verb.add_option_function<std::string>(
+              "--project", [project](const std::string& id) { *project = "projects/" + id; },
+              "Of this project")
+          ->check(CLI::Validator(check_project, ""))
+          ->type_name("NAME");
+  verb.add_flag_callback(
+          "--all", [project] { *project = kAllProjects; }, "Of all projects")
+      ->excludes(named);
+  verb.footer(
+      "Listed are the scenes that the token may read. Those of other projects have their full "
+      "names.\n\n"
+      "Examples:\n  sightline scene ls\n  sightline scene ls --project site\n"
+      "  sightline scene ls --all --json | jq -r '.scenes[].scene'");
+  verb.callback([&session, project] { session.exit = list(session, *project); });
+}
+
+}  // namespace
+
 void add_scene_verbs(CLI::App& program, Session& session) {
   CLI::App& group = *program.add_subcommand("scene", "Import, list, show and remove scenes");
   require_verb(group);
@@ -234,10 +266,7 @@ void add_scene_verbs(CLI::App& program, Session& session) {
       "  sightline scene show engine");
   add_import_verb(group, session);
 
-  CLI::App& ls = *group.add_subcommand("ls", "List the scenes of the default project");
-  ls.footer(
-      "Examples:\n  sightline scene ls\n  sightline scene ls --json | jq -r '.scenes[].scene'");
-  ls.callback([&session] { session.exit = list(session); });
+  add_list_verb(group, session);
 
   add_verb_of_one_scene(group, "show", "What a scene holds", session, show)
       .footer(

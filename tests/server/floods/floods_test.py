@@ -56,7 +56,7 @@ class Server:
         """Connections that were ended so far."""
         with urllib.request.urlopen(f"http://127.0.0.1:{self.admin}/metrics", timeout=PATIENCE) as reply:
             text = reply.read().decode()
-        return sum(float(value) for value in re.findall(r'^connections_ended_total\{.*\} (\S+)$', text, re.MULTILINE))
+        return sum(float(value) for value in re.findall(r'^sightline_connections_ended_total\{.*\} (\S+)$', text, re.MULTILINE))
 
     def answers(self):
         """Whether a call of another client is answered, though without a token it is refused."""

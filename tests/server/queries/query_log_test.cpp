@@ -8,6 +8,7 @@
 #include <memory>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "server/queries/cast_job.h"
 #include "tests/server/queries/random_rays.h"
@@ -82,6 +83,59 @@ TEST_F(QueryLogTest, HasTheIdThatTheClientGave) {
   EXPECT_EQ(line_of("CreateScene").find("request_id"), std::string::npos);
 }
 
+constexpr const char* kTraceParent = "00-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01";
+constexpr const char* kTrace = " trace_id=4bf92f3577b34da6a3ce929d0e0e4736";
+
+TEST_F(QueryLogTest, HasTheTraceOfAValidHeaderOnly) {
+  const auto line_with = [&](const std::vector<std::string>& headers) {
+    log_.str({});
+    grpc::ClientContext context;
+    for (const std::string& header : headers) context.AddMetadata("traceparent", header);
+    context.AddMetadata("x-request-id", "n");
+    v1::GetSceneRequest request;
+    request.set_name("projects/p/scenes/none");
+    v1::GetSceneResponse reply;
+    EXPECT_FALSE(api_.scenes->GetScene(&context, request, &reply).ok());
+    return line_of("GetScene");
+  };
+  EXPECT_NE(line_with({kTraceParent}).find(std::string(" request_id=\"n\"") + kTrace + " error="),
+            std::string::npos)
+      << log_.str();
+  EXPECT_EQ(line_with({kTraceParent, kTraceParent}).find("trace_id"), std::string::npos);
+  EXPECT_EQ(line_with({"00-4BF92F3577B34DA6A3CE929D0E0E4736-00f067aa0ba902b7-01"}).find("trace_id"),
+            std::string::npos);
+}
+
+TEST_F(QueryLogTest, WhoDeletesASceneIsTraced) {
+  ASSERT_TRUE(api_.create(kScene).ok());
+  grpc::ClientContext context;
+  context.AddMetadata("traceparent", kTraceParent);
+  v1::DeleteSceneRequest request;
+  request.set_name(kScene);
+  v1::DeleteSceneResponse reply;
+  ASSERT_TRUE(api_.scenes->DeleteScene(&context, request, &reply).ok());
+  EXPECT_NE(log_.str().find("event=scene_deleted scene=" + kScene + kTrace), std::string::npos)
+      << log_.str();
+}
+
+TEST_F(QueryLogTest, ARefusedCallHasALine) {
+  api_.make_scene(kScene, random_soup(10, 0.1, 11));
+  grpc::ClientContext context;
+  context.AddMetadata("traceparent", kTraceParent);
+  v1::BatchGetNodesRequest nodes;
+  nodes.set_scene(kScene);
+  for (std::uint64_t id = 0; id < 513; ++id) nodes.add_ids(id);
+  v1::BatchGetNodesResponse reply;
+  EXPECT_EQ(api_.scenes->BatchGetNodes(&context, nodes, &reply).error_code(),
+            grpc::StatusCode::RESOURCE_EXHAUSTED);
+  const std::string text = log_.str();
+  const std::size_t at = text.find("event=refused method=BatchGetNodes code=8 reason=");
+  ASSERT_NE(at, std::string::npos) << text;
+  const std::string line = text.substr(at, text.find('\n', at) - at);
+  EXPECT_NE(line.find(" peer=ipv4:127.0.0.1:"), std::string::npos) << line;
+  EXPECT_TRUE(line.ends_with(std::string(" since_last=1") + kTrace)) << line;
+}
+
 /// A query of some size is slow.
 class SlowQueryTest : public QueryLogTest {
  protected:
@@ -103,11 +157,12 @@ TEST_F(SlowQueryTest, IsLoggedWithWhatItBuilt) {
   request.set_build(v1::BUILD_MODE_FULL);
   grpc::ClientContext context;
   context.AddMetadata("x-request-id", "slow one");
+  context.AddMetadata("traceparent", kTraceParent);
   v1::CastRaysResponse reply;
   ASSERT_TRUE(api_.rays->CastRays(&context, request, &reply).ok());
   const std::string line = slow_line();
   for (const std::string& part :
-       {std::string("method=CastRays request_id=\"slow one\" scene=") + kScene,
+       {std::string("method=CastRays request_id=\"slow one\"") + kTrace + " scene=" + kScene,
         std::string("rays=16000 "), "cells=" + std::to_string(reply.stats().cells_expanded()) + " ",
         std::string("trees=2 ")})
     EXPECT_NE(line.find(part), std::string::npos) << part << " in " << line;

@@ -60,7 +60,7 @@ TEST_F(ReplicaOutage, ServesReadsAndRefusesWritesUntilItAnswers) {
     ASSERT_TRUE(cast_at(server->api(), {}, &reply).ok());
   }
   EXPECT_NE(b_->readiness().find(" 503 "), std::string::npos);
-  wait_until([&] { return b_->metric("store_reachable") == 0; });
+  wait_until([&] { return b_->metric("sightline_store_reachable") == 0; });
   const grpc::Status unknown = c_->api().create("projects/p/scenes/other");
   EXPECT_EQ(unknown.error_code(), grpc::StatusCode::UNAVAILABLE);
   postgres_->start();

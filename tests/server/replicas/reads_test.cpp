@@ -86,9 +86,9 @@ TEST_F(ReplicaReads, WithoutATokenSoon) {
   ASSERT_EQ(revision(b_->api()), 1u);
   ASSERT_TRUE(a_->api().apply(kScene, {move_to(1, 1)}).ok());
   wait_until([&] { return revision(b_->api()) == 2; });
-  wait_until([&] { return b_->metric("replica_revisions_followed_total") == 1; });
-  EXPECT_EQ(b_->metric("replica_lag_revisions"), 0);
-  EXPECT_EQ(b_->metric("store_reachable"), 1);
+  wait_until([&] { return b_->metric("sightline_replica_revisions_followed_total") == 1; });
+  EXPECT_EQ(b_->metric("sightline_replica_lag_revisions"), 0);
+  EXPECT_EQ(b_->metric("sightline_store_reachable"), 1);
   wait_until([&] { return b_->readiness().find(" 200 ") != std::string::npos; });
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 #include "tests/server/support/temporary_file.h"
 
@@ -52,15 +53,36 @@ TEST(SettingsFile, ReadsKeysInTablesWithTheirLines) {
 }
 
 TEST(SettingsFile, NamesTheLineOfAMistake) {
-  for (const std::string bad :
-       {"threads", "threads =", "= 3", "threads = 3 4", "a = [1, 2]", "a = \"b", "a = \"b\" c",
-        "a = \"b#c\"", "a = \"b\\n\"", "[quota", "[]", "listen = \"x\"", "[one]", "a b", "{}"}) {
+  for (const std::string bad : {"threads",          "threads =",   "= 3",         "threads = 3 4",
+                                "a = [1, 2]",       "a = \"b",     "a = \"b\" c", "a = \"b\\n\"",
+                                "a = \"b\\u0000\"", "a = 4G",      "a = full",    "a = 1979-05-27",
+                                "a = [{b = 1}]",    "a = {b = 1}", "[quota",      "[]",
+                                "listen = \"x\"",   "[one]",       "a b",         "{}"}) {
     const TemporaryFile file("listen = \"y\"\n[one]\nlisten = \"x\"\n" + bad + "\n");
     const auto read = read_settings(file.path());
     ASSERT_FALSE(read) << bad;
     EXPECT_EQ(read.error().code, Code::kInvalidArgument) << bad;
     EXPECT_TRUE(read.error().message.starts_with(file.path() + ":4: ")) << read.error().message;
   }
+}
+
+TEST(SettingsFile, ValuesAreThoseOfToml) {
+  const TemporaryFile file(
+      "a = \"b#c\"\nb = \"x\\\"y\"\nc = 1_000\nd = 0x10\ne = 3.5\nf = -3\ng = '\\'\n"
+      "h = \"\\u00e4\"\n");
+  const auto read = read_settings(file.path());
+  ASSERT_TRUE(read) << read.error().message;
+  std::vector<std::string> values;
+  for (const Setting& setting : read->settings) values.push_back(setting.value);
+  EXPECT_EQ(values,
+            (std::vector<std::string>{"b#c", "x\"y", "1000", "16", "3.5", "-3", "\\", "ä"}));
+}
+
+TEST(SettingsFile, ALargeFileIsRefused) {
+  const TemporaryFile file("#" + std::string(std::size_t{1} << 20, 'x'));
+  const auto read = read_settings(file.path());
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.error().message.find("more than 1048576 bytes"), std::string::npos);
 }
 
 TEST(SettingsFile, NamesAFileThatCannotBeRead) {

@@ -118,6 +118,26 @@ TEST_F(SceneRpcTest, ListsInPagesByName) {
   EXPECT_EQ(list("p", 0, "", &all).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
 }
 
+TEST_F(SceneRpcTest, ListsTheScenesOfAllProjects) {
+  for (const char* name : {"b/scenes/x", "a/scenes/y", "a/scenes/x", "a.b/scenes/x"})
+    ASSERT_TRUE(api_.create("projects/" + std::string(name)).ok());
+  std::vector<std::string> names;
+  v1::ListScenesResponse page;
+  do {
+    const std::string token = page.next_page_token();
+    ASSERT_TRUE(list("projects/-", 1, token, &page).ok());
+    ASSERT_EQ(page.scenes_size(), 1);
+    names.push_back(page.scenes(0).name());
+  } while (!page.next_page_token().empty());
+  EXPECT_EQ(names, (std::vector<std::string>{"projects/a.b/scenes/x", "projects/a/scenes/x",
+                                             "projects/a/scenes/y", "projects/b/scenes/x"}));
+  for (const char* wrong : {"projects/-/", "projects/--", "projects/", "-", "projects/*"})
+    EXPECT_EQ(list(wrong, 0, "", &page).error_code(), grpc::StatusCode::INVALID_ARGUMENT) << wrong;
+  EXPECT_EQ(list("projects/-", 0, "projects/-", &page).error_code(),
+            grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(api_.create("projects/-/scenes/x").error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+}
+
 TEST_F(SceneRpcTest, AppliesABatchAsOneRevision) {
   ASSERT_TRUE(api_.create(kScene).ok());
   const std::string digest = api_.add_mesh(cube());

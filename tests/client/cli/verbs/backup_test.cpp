@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 
 #include "client/cli/terminal.h"
@@ -110,6 +111,32 @@ TEST_F(Backup, AnEarlierRevisionComesBack) {
   EXPECT_EQ(revision("b"), 2);
   EXPECT_NE(run_program({"restore", dir_.path("backup"), "--revision", "9"}).exit, 0);
   EXPECT_EQ(revision("a"), 3);
+}
+
+TEST_F(Backup, SinceAnEarlierOneSharesItsMeshes) {
+  make_scene("a", 2);
+  ASSERT_EQ(run_program({"backup", dir_.path("monday")}).exit, 0);
+  const std::string other = dir_.write("other.obj", "v 0 0 0\nv 5 0 0\nv 5 5 0\nf 1 2 3\n");
+  ASSERT_EQ(run_program({"scene", "import", "b", other}).exit, 0);
+  const auto tuesday =
+      run_program({"backup", dir_.path("tuesday"), "--since", dir_.path("monday"), "--json"});
+  ASSERT_EQ(tuesday.exit, 0) << tuesday.err;
+  EXPECT_EQ(json::parse(tuesday.out)["scenes"].size(), 2u);
+  std::multiset<std::uintmax_t> links;
+  for (const auto& mesh : std::filesystem::directory_iterator(dir_.path("tuesday") + "/meshes"))
+    links.insert(mesh.hard_link_count());
+  EXPECT_EQ(links, (std::multiset<std::uintmax_t>{1, 2}));
+  const json a = show("a"), b = show("b");
+
+  std::filesystem::remove_all(dir_.path("monday"));
+  serve("empty");
+  const auto restored = run_program({"restore", dir_.path("tuesday")});
+  ASSERT_EQ(restored.exit, 0) << restored.err;
+  EXPECT_EQ(show("a"), a);
+  EXPECT_EQ(show("b"), b);
+  const auto none = run_program({"backup", dir_.path("x"), "--since", dir_.path("monday")});
+  EXPECT_EQ(none.exit, kFailed);
+  EXPECT_NE(none.err.find(dir_.path("monday")), std::string::npos) << none.err;
 }
 
 TEST_F(Backup, ErrorsAndTheirExitCodes) {
