@@ -7,7 +7,6 @@
 #include <array>
 #include <utility>
 
-#include "accel/wide/packet.h"
 #include "scenegraph/query/build.h"
 #include "server/exec/rpc_status.h"
 #include "server/queries/asked_shard.h"
@@ -26,7 +25,7 @@ constexpr std::size_t kIdleRays = 256;
 // What a thread that has read a cast does for it by itself: rays between two looks at the clock,
 // and about the time that it takes to wake a worker up. Moved instances whose trees it builds,
 // which takes less than that.
-constexpr std::size_t kRaysAtOnce = accel::wide::kLanes;
+constexpr std::size_t kRaysAtOnce = 16;
 static_assert(kRaysAtOnce % kRaysPerBitsByte == 0);
 constexpr std::chrono::microseconds kMostAtOnce{250};
 constexpr std::uint64_t kFewMoved = 256;
