@@ -19,8 +19,8 @@ scenegraph::model::Affine at(double x) { return {{1, 0, 0, x, 0, 1, 0, 0, 0, 0, 
 
 class RestorerTest : public tests::DurableTest {
  protected:
-  Parts back_up(const std::string& only = {}) {
-    BackupReader reader(*life_->store, only);
+  Parts back_up(const std::string& only = {}, const std::set<blobs::BlobDigest>& known = {}) {
+    BackupReader reader(*life_->store, only, known);
     EXPECT_TRUE(reader.begin());
     Parts parts;
     for (v1::BackupPart part;;) {
@@ -53,6 +53,32 @@ class RestorerTest : public tests::DurableTest {
   }
   double x() { return scene()->snapshot()->find(1)->parent_from_local.m[3]; }
 };
+
+TEST_F(RestorerTest, MeshesThatTheClientHasComeWithoutData) {
+  make_revisions(2);
+  apply({put(add_mesh(tests::icosphere(1)))});
+  const Parts all = back_up();
+  std::set<blobs::BlobDigest> known;
+  for (const v1::BackupPart& part : all) {
+    if (part.has_mesh() && known.empty())
+      known.insert(*blobs::BlobDigest::parse(part.mesh().digest()));
+  }
+  Parts some = back_up({}, known);
+  ASSERT_EQ(some.size(), all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const bool left_out = all[i].has_mesh() && all[i].mesh().digest() == known.begin()->text();
+    if (left_out) {
+      EXPECT_EQ(some[i].mesh().digest(), all[i].mesh().digest());
+      EXPECT_EQ(some[i].mesh().data(), "");
+      EXPECT_FALSE(some[i].mesh().more());
+    } else {
+      EXPECT_EQ(some[i].SerializeAsString(), all[i].SerializeAsString());
+    }
+  }
+  lose_all();
+  EXPECT_FALSE(restore(some)) << "a server that lacks the mesh does not take its name for it";
+  EXPECT_TRUE(restore(all));
+}
 
 TEST_F(RestorerTest, ALostDirectoryIsRestored) {
   make_revisions(5);
