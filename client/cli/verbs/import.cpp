@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -144,11 +145,12 @@ void log_import(const std::string& path, const SceneInfo& scene, const FileRepor
   if (is_quiet() || is_stderr_a_terminal()) return;
   std::error_code unknown;
   const std::uintmax_t bytes = std::filesystem::file_size(path, unknown);
+  const auto warnings = std::ranges::count(file.warnings, false, &importer::Warning::is_note);
   fmt::print(stderr,
              "event=imported file={} bytes={} scene={} revision={} nodes={} triangles={} "
              "warnings={} seconds={:.3f}\n",
              quoted(path), unknown ? 0 : bytes, printable(scene.name), scene.revision, scene.nodes,
-             file.triangles, file.warnings.size(), seconds);
+             file.triangles, warnings, seconds);
 }
 
 void report(const Session& session, const SceneInfo& scene, const FileReport& file,

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
+#include <string>
 
 #include "server/durable/backup_reader.h"
 #include "tests/server/durable/life.h"

@@ -37,8 +37,8 @@ TEST_F(SceneVerbs, LsListsAProjectOrAll) {
   const auto names = [](std::vector<std::string> flags) {
     flags.insert(flags.begin(), {"scene", "ls", "--json"});
     std::vector<std::string> found;
-    for (const auto& scene : nlohmann::json::parse(run_program(flags).out)["scenes"])
-      found.push_back(scene["scene"]);
+    const auto listed = nlohmann::json::parse(run_program(flags).out);
+    for (const auto& scene : listed["scenes"]) found.push_back(scene["scene"]);
     return found;
   };
   using Names = std::vector<std::string>;
