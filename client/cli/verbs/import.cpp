@@ -4,19 +4,14 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <chrono>
-#include <cstdint>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include "client/cli/flags.h"
-#include "client/cli/reporting.h"
 #include "client/cli/terminal.h"
 #include "client/cli/verbs/import_warnings.h"
 #include "client/importer/assimp_import.h"
@@ -129,30 +124,6 @@ void print_report(const SceneInfo& scene, const FileReport& file, double seconds
   print_import_notes(file.warnings);
 }
 
-/// The text as a value in a line of key=value.
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  return printable(out + '"');
-}
-
-/// A line for the logs of those who import unattended. Who looks on reads the report.
-void log_import(const std::string& path, const SceneInfo& scene, const FileReport& file,
-                double seconds) {
-  if (is_quiet() || is_stderr_a_terminal()) return;
-  std::error_code unknown;
-  const std::uintmax_t bytes = std::filesystem::file_size(path, unknown);
-  const auto warnings = std::ranges::count(file.warnings, false, &importer::Warning::is_note);
-  fmt::print(stderr,
-             "event=imported file={} bytes={} scene={} revision={} nodes={} triangles={} "
-             "warnings={} seconds={:.3f}\n",
-             quoted(path), unknown ? 0 : bytes, printable(scene.name), scene.revision, scene.nodes,
-             file.triangles, warnings, seconds);
-}
-
 void report(const Session& session, const SceneInfo& scene, const FileReport& file,
             double seconds) {
   if (!session.json) {
@@ -193,9 +164,7 @@ ExitCode run(const Session& session, const ImportArguments& arguments) {
   if (!scene && interrupt.happened()) return say_interrupted();
   if (!scene) return fail(scene.error());
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  const FileReport file = count(*imported);
-  log_import(arguments.file, *scene, file, seconds.count());
-  report(session, *scene, file, seconds.count());
+  report(session, *scene, count(*imported), seconds.count());
   return kOk;
 }
 
@@ -208,8 +177,7 @@ Polygons are cut into triangles, n - 2 for n corners, which cover them once; not
 never hit. A node with several meshes gets a child for each, NAME#0, NAME#1, ... Textures are not read.
 
 FILE may come from a stranger: a child process reads it, which sees no file outside FILE's folder and no network, and
-has limits on memory and time that grow with the size of FILE. What may be missing is a warning on standard error. Where that
-is no terminal, a line event=imported there says what FILE gave; -q leaves it out.
+has limits on memory and time that grow with the size of FILE. What may be missing is a warning on standard error.
 
 Files are glTF 2.0 (.gltf, .glb), OBJ, PLY, STL, Collada (.dae), IFC2X3 (.ifc), AC3D (.ac) or FBX. Other formats are refused
 by their names, with what converts them.

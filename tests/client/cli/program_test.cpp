@@ -246,8 +246,7 @@ TEST_F(Program, ImportReportsItsCounts) {
   const std::string file = dir_.write("square.obj", kSquare);
   const Outcome outcome = run({"scene", "import", "square", file.c_str(), "--json", "--up", "z"});
   ASSERT_EQ(outcome.exit, 0) << outcome.err;
-  EXPECT_TRUE(outcome.err.starts_with("event=imported ")) << outcome.err;
-  EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1) << "nothing else";
+  EXPECT_EQ(outcome.err, "");
   expect_keys(outcome.out, {"scene", "revision", "nodes", "instances", "meshes", "triangles_unique",
                             "triangles_instanced", "lines_and_points_skipped",
                             "triangles_nonfinite", "up_axis", "meters_per_unit", "seconds"});
