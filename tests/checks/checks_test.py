@@ -212,6 +212,7 @@ class Words(Tree):
             ("accel/kdtree/a.h", "// Nothing of the kind; in place of a list.\nint index = std::is_placeholder_v<int>;\n"),
             ("accel/kdtree/a.cpp", 'const char* kText = "nobody";  // a message is what users see\n'),
             ("docs/decisions/a.md", "A pencil of rays.\n"),
+            ("docs/languages/node/node_modules/a/README.md", "Whoever installs this.\n"),
             ("docs/a.md", "As `nobody` says:\n\n    whoever\n\n```\nso many\n```\n[link](so-many.md)\n"),
         ]:
             self.assert_clean(words.check, file, text)

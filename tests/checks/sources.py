@@ -30,7 +30,8 @@ def cpp_files(root, folders=(*PRODUCT, "tests", "docs")):
 
 def pages(root):
     root = pathlib.Path(root)
-    return sorted(path.relative_to(root).as_posix() for path in [*root.glob("*.md"), *root.glob("docs/**/*.md")])
+    found = [*root.glob("*.md"), *root.glob("docs/**/*.md")]
+    return sorted(path.relative_to(root).as_posix() for path in found if "node_modules" not in path.parts)
 
 
 def read(root, name):
