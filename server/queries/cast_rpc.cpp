@@ -161,12 +161,7 @@ class CastCall final : public grpc::ServerUnaryReactor {
                        *reply_.mutable_applied());
       if (Status accepted = job_.accept(request_); !accepted) return accepted;
       if (Status admitted = updates_->admit(); !admitted) return admitted;
-      if (job_.scene()->loaded() && updates_->are_few_moves()) {
-        auto applied = updates_->run([this](CastUpdates::Outcome later) {
-          if (pin(std::move(later))) answer();
-        });
-        if (applied && pin(*std::move(applied))) answer();
-      } else if (job_.scene()->loaded() && updates_->are_few()) {
+      if (job_.scene()->loaded() && updates_->are_few()) {
         services_.compute.enqueue_small(exec::flow_of(job_.caller(), request_.scene()),
                                         [this] { return apply_and_cast(); });
       } else {

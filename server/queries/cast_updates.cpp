@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <utility>
 
 #include "server/exec/rpc_status.h"
@@ -17,7 +16,6 @@ namespace {
 /// As many as the objects of a game move in a tick: they are applied sooner than another worker
 /// wakes up.
 constexpr int kFewUpdates = 1024;
-constexpr int kFewMoves = 256;
 constexpr std::size_t kFewBytes = std::size_t{64} << 10;
 
 /// A negative number, as aliases are, where ids are asked for.
@@ -88,16 +86,6 @@ Status CastUpdates::admit() {
 
 bool CastUpdates::are_few() const {
   return updates_.updates_size() <= kFewUpdates && updates_.ByteSizeLong() <= kFewBytes;
-}
-
-bool CastUpdates::are_few_moves() const {
-  const auto& updates = updates_.updates();
-  const auto is_move = [](const v1::Update& update) { return update.has_set_transforms(); };
-  const auto moved = [](int sum, const v1::Update& update) {
-    return sum + update.set_transforms().nodes_size();
-  };
-  return are_few() && std::all_of(updates.begin(), updates.end(), is_move) &&
-         std::accumulate(updates.begin(), updates.end(), 0, moved) <= kFewMoves;
 }
 
 void CastUpdates::enqueue(Done done) {

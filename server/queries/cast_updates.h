@@ -50,8 +50,6 @@ class CastUpdates {
 
   /// Whether there are few enough for a worker for small casts to apply them: run().
   bool are_few() const;
-  /// Whether they only move nodes, few enough for the thread that has read them to apply them.
-  bool are_few_moves() const;
 
   // The outcome is the revision that the updates have made, pinned before any later write. Errors:
   // as updates::ApplyJob, and AppliedAt::snapshot().
