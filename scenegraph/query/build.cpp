@@ -191,22 +191,6 @@ Result<TraceStats> build_all(const revision::Snapshot& snapshot, const std::atom
   return stats;
 }
 
-bool open_moved(const revision::Snapshot& snapshot, std::uint64_t most) {
-  for (const instances::Level& level : snapshot.shared_trees().levels) {
-    const instances::SceneTree& tree = *level.tree;
-    if (tree.is_static() || level.nodes > most) {
-      if (tree.instances_so_far() == nullptr) return false;
-      continue;
-    }
-    const instances::Instances& moved = tree.instances();
-    if (moved.size() > most) continue;
-    most -= moved.size();
-    BuildCounters built;
-    moved.tree().expand_all(built);
-  }
-  return true;
-}
-
 Result<TraceStats> build_shard(const revision::Snapshot& snapshot, const Shard& shard,
                                const std::atomic<bool>* cancelled) {
   std::vector<const model::Node*> nodes;

@@ -44,10 +44,6 @@ Result<TraceStats> build_all(const revision::Snapshot& snapshot,
                              const std::atomic<bool>* cancelled = nullptr,
                              BuildProgress* progress = nullptr);
 
-/// Opens the trees over moved instances and builds them, if these are at most `most` in all.
-/// Returns whether all trees of the snapshot are open. Throws std::bad_alloc.
-bool open_moved(const revision::Snapshot& snapshot, std::uint64_t most);
-
 /// Builds the trees of the meshes in the shard, and the scene's own trees, completely. Walks the
 /// scene. Only the stats `cells_expanded` and `build_seconds` are set. Parallel in the caller's
 /// arena. Errors: kCancelled, kResourceExhausted.

@@ -7,7 +7,7 @@
 #include <array>
 #include <utility>
 
-#include "scenegraph/query/build.h"
+#include "scenegraph/instances/scene_trees.h"
 #include "server/exec/rpc_status.h"
 #include "server/queries/asked_shard.h"
 #include "server/queries/hit_codec.h"
@@ -23,12 +23,10 @@ namespace {
 constexpr std::size_t kIdleRays = 256;
 
 // What a thread that has read a cast does for it by itself: rays between two looks at the clock,
-// and about the time that it takes to wake a worker up. Moved instances whose trees it builds,
-// which takes less than that.
+// and about the time that it takes to wake a worker up.
 constexpr std::size_t kRaysAtOnce = 16;
 static_assert(kRaysAtOnce % kRaysPerBitsByte == 0);
 constexpr std::chrono::microseconds kMostAtOnce{250};
-constexpr std::uint64_t kFewMoved = 256;
 
 /// Most rays of one slice; of points with sides fewer, as each casts rays of its own.
 std::size_t rays_per_slice(const CastQuery& query) {
@@ -195,7 +193,7 @@ bool CastJob::is_immediate() const {
       query_.kind == scenegraph::QueryKind::kAll || query_.shard || query_.sides ||
       (query_.growth == scenegraph::Growth::kFull && !snapshot_->is_complete()))
     return false;
-  return scenegraph::query::open_moved(*snapshot_, kFewMoved);
+  return snapshot_->shared_trees().are_opened();
 }
 
 /// Traces only through cells that are built. Where a ray meets another one, and after some time,

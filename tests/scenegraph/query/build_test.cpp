@@ -141,32 +141,6 @@ TEST(Build, RemembersThatAllTreesAreComplete) {
   EXPECT_EQ(again.meshes_done, again.meshes_total) << "reported also of trees that were complete";
 }
 
-TEST(Build, OpensTheTreesOfFewMovedInstances) {
-  const auto cube = mesh_of(tests::cube());
-  Scene scene;
-  std::vector<model::Update> puts;
-  for (std::int64_t i = 1; i <= 20; ++i) puts.push_back(put_node(-i, 0, cube));
-  ASSERT_TRUE(scene.apply(puts));
-  EXPECT_FALSE(open_moved(*scene.snapshot(), 100)) << "no ray has opened the static tree";
-  EXPECT_EQ(scene.snapshot()->shared_trees().static_tree()->instances_so_far(), nullptr);
-  static_cast<void>(scene.snapshot()->trees());
-  EXPECT_TRUE(open_moved(*scene.snapshot(), 0)) << "nothing has moved";
-
-  model::SetTransforms moved;
-  for (std::int64_t node = 3; node <= 7; ++node) {
-    moved.nodes.push_back(node);
-    moved.parent_from_local.push_back({{1, 0, 0, 5, 0, 1, 0, 5, 0, 0, 1, 5}});
-  }
-  ASSERT_TRUE(scene.apply({moved}));
-  const auto snapshot = scene.snapshot();
-  EXPECT_FALSE(open_moved(*snapshot, 4));
-  EXPECT_FALSE(snapshot->shared_trees().are_opened());
-  EXPECT_TRUE(open_moved(*snapshot, 5));
-  const auto trees = snapshot->trees();
-  ASSERT_EQ(trees.dynamic().size(), 1u);
-  EXPECT_TRUE(trees.dynamic().front().instances.tree().is_complete());
-}
-
 TEST(Build, ACancelledBuildStops) {
   const auto snapshot = cubes_and_staircase();
   const auto nodes = mesh_nodes_under(*snapshot, {}, {});
