@@ -17,6 +17,13 @@ double signed_distance(double distance, Side side) {
   return side == Side::kInside && is_near ? -distance : distance;
 }
 
+/// Copies values into a column, if it is asked for, from a byte on. A batch may be empty.
+template <class T>
+void put(std::string* column, std::size_t at, std::span<const T> values) {
+  if (column == nullptr || values.empty()) return;
+  std::memcpy(column->data() + at, values.data(), values.size_bytes());
+}
+
 }  // namespace
 
 std::size_t side_bytes(const CastQuery& query, std::size_t points, std::size_t slice) {
@@ -60,19 +67,15 @@ Result<scenegraph::TraceStats> SideColumns::write(const scenegraph::revision::Sn
                                       {sides_, votes_of_, crossings_of_}, options);
   if (!found) return found;
   write(sides_, votes_of_, hits, first);
-  if (crossings_ != nullptr) {
-    const std::size_t bytes_per_point = question.rays * sizeof(std::uint32_t);
-    std::memcpy(crossings_->data() + first * bytes_per_point, crossings_of_.data(),
-                points.size * bytes_per_point);
-  }
+  put(crossings_, first * question.rays * sizeof(std::uint32_t), std::span<const std::uint32_t>(crossings_of_));
   return found;
 }
 
 void SideColumns::write(std::span<const Side> sides, std::span<const std::uint8_t> votes,
                         const accel::geometry::HitColumns& hits, std::size_t first) {
   static_assert(sizeof(Side) == 1);
-  if (inside_ != nullptr) std::memcpy(inside_->data() + first, sides.data(), sides.size());
-  if (votes_ != nullptr) std::memcpy(votes_->data() + first, votes.data(), votes.size());
+  put(inside_, first, sides);
+  put(votes_, first, votes);
   if (signed_ == nullptr) return;
   for (std::size_t i = 0; i < sides.size(); ++i) {
     double distance;

@@ -83,12 +83,12 @@ bool Segment::is_safe() {
 
 void Segment::read(std::uint64_t offset, void* to, std::size_t bytes) const {
   assert(offset <= size_ && bytes <= size_ - offset);
-  std::memcpy(to, data_ + offset, bytes);
+  if (bytes > 0) std::memcpy(to, data_ + offset, bytes);
 }
 
 void Segment::write(std::uint64_t offset, const void* from, std::size_t bytes) const {
   assert(offset <= size_ && bytes <= size_ - offset);
-  std::memcpy(data_ + offset, from, bytes);
+  if (bytes > 0) std::memcpy(data_ + offset, from, bytes);
 }
 
 }  // namespace sightline::server::segments

