@@ -67,7 +67,8 @@ Result<scenegraph::TraceStats> SideColumns::write(const scenegraph::revision::Sn
                                       {sides_, votes_of_, crossings_of_}, options);
   if (!found) return found;
   write(sides_, votes_of_, hits, first);
-  put(crossings_, first * question.rays * sizeof(std::uint32_t), std::span<const std::uint32_t>(crossings_of_));
+  put(crossings_, first * question.rays * sizeof(std::uint32_t),
+      std::span<const std::uint32_t>(crossings_of_));
   return found;
 }
 
