@@ -56,9 +56,9 @@ class BackupCall final : public grpc::ServerWriteReactor<v1::BackupResponse> {
         known_(digests_of(request)) {}
 
   void start() {
+    if (!known_) return end(known_.error());
     const Status entered = parts_.calls.enter(this, caller_, {.on_stop = [this] { stop_ = true; }});
     if (!entered) return end(entered);
-    if (!known_) return end(known_.error());
     work([this] { return begin(); });
   }
 
