@@ -168,10 +168,13 @@ class Point {
     const float before = packet_.floats.high[lane_];
     const Way way = way_to(block, nearest, seen, squared);
     if (is_beyond(way, vertices)) return;
-    if (!remember_corner(words, way, squared)) visit_triangles(words, seen, squared);
-    // All points see a vertex if they see all faces.
-    if (packet_.placed.visible == nullptr && packet_.floats.high[lane_] < before)
-      landmark_ = block.vertex(nearest);
+    const std::uint32_t visible = visible_faces(block);
+    if (visible == 0) return;
+    // A vertex may limit the point if it is one of a face that it sees.
+    const bool sees_all = visible == faces_of(block);
+    if (!sees_all || !remember_corner(words, way, squared))
+      visit_triangles(words, seen, squared, visible);
+    if (sees_all && packet_.floats.high[lane_] < before) landmark_ = block.vertex(nearest);
   }
 
  private:
@@ -245,10 +248,30 @@ class Point {
             r(5) * v.z};
   }
 
-  /// Tests the triangles of a block whose vertices are seen so, relative to the point and in its
+  static HWY_INLINE std::uint32_t faces_of(const blocks::Block& block) {
+    return (2u << (block.triangles - 1)) - 1;
+  }
+
+  /// The faces of a block that the point sees. Most blocks have faces of one mesh.
+  HWY_INLINE std::uint32_t visible_faces(const blocks::Block& block) const {
+    const std::uint32_t all = faces_of(block);
+    const Visibility* const visible = packet_.placed.visible;
+    if (visible == nullptr) return all;
+    std::uint32_t faces = 0, sees = 0;
+    const PlacedMesh* mesh = nullptr;
+    for (std::uint32_t i = 0; i < block.triangles; ++i) {
+      const PlacedMesh& of = packet_.placed.of(block.id(i));
+      if (&of != mesh) sees = visible->seeing(visible->asked, of, 1u << lane_) >> lane_;
+      mesh = &of;
+      faces |= sees << i;
+    }
+    return faces;
+  }
+
+  /// Tests these triangles of a block whose vertices are seen so, relative to the point and in its
   /// units.
   HWY_INLINE void visit_triangles(const std::uint32_t* words, const Vectors16& seen,
-                                  const Floats& squared) {
+                                  const Floats& squared, std::uint32_t visible) {
     const blocks::Block block(words);
     const FloatPoints& near = packet_.near;
     const Floats unit = Floats::set(near.unit[lane_]), per_unit = Floats::set(near.per_unit[lane_]);
@@ -275,14 +298,8 @@ class Point {
                                 Floats::set(near.off[lane_] * near.unit[lane_] + 0x1p-59f));
     found.low = found.low * per_unit;
     found.high = found.high * per_unit;
-    const std::uint32_t all = (2u << (block.triangles - 1)) - 1;
     // The negation also includes a distance that is NaN, of which floats know nothing.
-    std::uint32_t open = all & ~(found.low > Floats::set(packet_.floats.high[lane_]));
-    for (std::uint32_t left = packet_.placed.visible == nullptr ? 0 : open; left != 0;
-         left &= left - 1) {
-      const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
-      if (seeing(packet_, block.id(i), 1u << lane_) == 0) open &= ~(1u << i);
-    }
+    const std::uint32_t open = visible & ~(found.low > Floats::set(packet_.floats.high[lane_]));
     if (open != 0) take(words, found, open);
   }
 
@@ -347,7 +364,7 @@ class Point {
   /// vertex. Remembers them, unless they are many.
   HWY_INLINE bool remember_corner(const std::uint32_t* words, const Way& way,
                                   const Floats& squared) {
-    if (kGoal != Goal::kNearest || packet_.placed.visible != nullptr) return false;
+    if (kGoal != Goal::kNearest) return false;
     const blocks::Block block(words);
     const std::uint32_t vertices = (2u << (block.vertices - 1)) - 1;
     const std::uint32_t in_cone =
@@ -365,8 +382,7 @@ class Point {
     const Floats low = min(corner(0), min(corner(1), corner(2))) *
                            Floats::set(per_unit / length * (1 - 0x1p-18f)) -
                        Floats::set(off);
-    const std::uint32_t all = (2u << (block.triangles - 1)) - 1;
-    std::uint32_t open = all & ~(low > Floats::set(packet_.floats.high[lane_]));
+    std::uint32_t open = faces_of(block) & ~(low > Floats::set(packet_.floats.high[lane_]));
     if (std::popcount(open) > kFew) return false;
     low.store(stored.data());
     for (; open != 0; open &= open - 1) {

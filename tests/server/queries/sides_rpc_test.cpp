@@ -64,9 +64,7 @@ TEST_F(SidesRpc, AloneNeedNoDistances) {
 
 TEST_F(SidesRpc, OfNoPointsAreEmpty) {
   api_.make_scene(kScene, cube());
-  auto fields = kAllSides;
-  fields.push_back(v1::HIT_FIELD_CROSSINGS);
-  const auto reply = answer(sides_of({}, fields));
+  const auto reply = answer(sides_of({}));
   for (const v1::HitColumn& column : reply.columns()) EXPECT_EQ(column.data(), "");
   EXPECT_EQ(reply.stats().rays(), 0u);
 }
