@@ -4,7 +4,6 @@ A page has a line `<!-- data: NAME -->`, then the table, then a line `<!-- end -
 """
 import math
 import re
-import statistics
 
 from csv_files import read_csv
 
@@ -240,61 +239,6 @@ def motion(folder):
     rows = [row for row in read_csv(folder / "motion.csv") if not row["quantity"].startswith(ASIDE)]
     return table(["show", "quantity", "figure"], [[row["show"], row["quantity"].replace("_", " "), row["figure"]] for row in rows
                                                   if not row["quantity"].endswith(("_q1", "_q3"))])
-
-
-# Planning.
-
-POLICIES = {"round_robin": "round robin", "hashing": "hashing", "bounded": "hashing, bounded"}
-UNITS = {"s": (1e6, "us"), "bytes": (1, "bytes"), "triangles": (1, "triangles")}
-
-
-def planning_costs(folder):
-    lines = []
-    for row in read_csv(folder / "planning_costs.csv"):
-        scale, unit = UNITS[row["unit"]]
-        if unit == "us" and row["value"] < 1e-6:
-            scale, unit = 1e9, "ns"
-        lines.append([f"`{row['name']}`", f"{show(scale * row['value'])} {unit}", f"{show(scale * row['least'])} to {show(scale * row['most'])}"])
-    return table(["unit cost", "median", "of rounds"], lines)
-
-
-def planning_fleets(folder):
-    """The smallest fleets whose busiest replica has room, and what they cost."""
-    rows = [row for row in read_csv(folder / "planning.csv") if row["zipf"] == 1 and row["busiest"] <= 0.8]
-    lines = []
-    for clients in sorted({row["clients"] for row in rows}):
-        line = [clients]
-        for policy in POLICIES:
-            of = [row for row in rows if row["clients"] == clients and row["policy"] == policy]
-            best = min(of, key=lambda row: row["replicas"], default=None)
-            line.append(f"{best['replicas']:,.0f} ({show(best['cost_an_hour'])})" if best else None)
-        lines.append(line)
-    return table(["clients", *POLICIES.values()], lines)
-
-
-def planning_log(folder):
-    """The largest fleets whose updates PostgreSQL can take."""
-    rows = read_csv(folder / "planning_log.csv")
-    lines = []
-    for updates, of in groups(rows, "updates_s").items():
-        most = {policy: max((row["replicas"] for row in of if row["policy"] == policy and row["database_load"] <= 1), default=None) for policy in POLICIES}
-        lines.append([updates, *most.values()])
-    lines = [[line[0], *("1,000 and more" if cell == 1000 else cell for cell in line[1:])] for line in sorted(lines)]
-    return table(["updates a second", *POLICIES.values()], lines)
-
-
-QUANTITIES = {"throughput": "requests a second", "built_ratio": "triangles built, over one server's", "p50_ms": "median response, ms"}
-
-
-def planning_check(folder):
-    lines = []
-    for policy, of in groups(read_csv(folder / "planning_check.csv"), "policy").items():
-        for key, name in QUANTITIES.items():
-            measured, simulated = ([row[f"{who}_{key}"] for row in of] for who in ("measured", "simulated"))
-            quotients = sorted(b / a for a, b in zip(measured, simulated))
-            lines.append([POLICIES[policy], name, statistics.median(measured), statistics.median(simulated),
-                          f"{statistics.median(simulated) / statistics.median(measured):.2f}", f"{quotients[0]:.2f} to {quotients[-1]:.2f}"])
-    return table(["policy", "quantity", "measured", "simulated", "simulated / measured", "of rounds"], lines)
 
 
 def filled(text, folder):
