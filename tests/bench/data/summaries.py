@@ -67,35 +67,11 @@ def builder_line(name, rows, sweep):
 BUILDER_HEADS = ["builder", "Mtri/s", "references / triangle", "touches / triangle", "SAH cost", "work", "trace time"]
 
 
-def builder_lines(folder, chosen, turned=False):
-    rows = [row for row in read_csv(folder / "builders.csv") if (row["scene"] == TURNED) == turned]
-    sweep = {row["scene"]: row for row in rows if row["configuration"] == SWEEP}
-    return table(BUILDER_HEADS, [builder_line(name, of, sweep) for name, of in groups(rows, "configuration").items() if chosen(of[0])])
-
-
 def builders(folder):
-    return builder_lines(folder, lambda row: row["default"] == "yes" or row["configuration"] == SWEEP)
-
-
-def parameters(folder):
-    return builder_lines(folder, lambda row: row["default"] == "no" and row["configuration"] != SWEEP)
-
-
-TURNED_BUILDERS = "spatial-median", "sah-sweep", "min-max-bins", "scan-all-axes", "scan-fast", "scan-best", "bvh-sweep", "sbvh"
-
-
-def turned(folder):
-    return builder_lines(folder, lambda row: row["default"] == "yes" and row["builder"] in TURNED_BUILDERS, turned=True)
-
-
-def growth(folder):
-    lines = []
-    for name, rows in groups(read_csv(folder / "growth.csv"), "builder").items():
-        small, large = rows[0], rows[-1]
-        lines.append([f"`{name}`", f"2^{math.log2(small['triangles']):.0f} to 2^{math.log2(large['triangles']):.0f}",
-                      small["touches_per_triangle"], large["touches_per_triangle"], small["law"], small["a"],
-                      percent(small["largest_residual"])])
-    return table(["builder", "triangles", "touches / triangle, fewest", "most", "law", "a", "largest residual"], lines)
+    rows = [row for row in read_csv(folder / "builders.csv") if row["scene"] != TURNED]
+    sweep = {row["scene"]: row for row in rows if row["configuration"] == SWEEP}
+    return table(BUILDER_HEADS, [builder_line(name, of, sweep) for name, of in groups(rows, "configuration").items()
+                                 if of[0]["default"] == "yes" or of[0]["configuration"] == SWEEP])
 
 
 def slivers(folder):
@@ -110,20 +86,6 @@ def papers(folder):
     return table(["source", "scene", "builder", "published", "here"],
                  [[source, scene, f"`{builder}`", figures(rows, "published"), figures(rows, "here")]
                   for (source, scene, builder), rows in groups(read_csv(folder / "papers.csv"), "source", "scene", "builder").items()])
-
-
-def images(folder):
-    """The fastest way for each number of rays, Embree left out: how many scenes each way wins."""
-    rows = [row for row in read_csv(folder / "images.csv") if not row["builder"].startswith("embree")]
-    lines = []
-    for (kind, count), of in groups(rows, "rays", "count").items():
-        wins = {}
-        for scene in groups(of, "scene").values():
-            best = min(scene, key=lambda row: row["seconds_to_hits"])
-            way = "growing `scan-fast`" if best["policy"] == "first-touch" else f"`{best['builder']}`"
-            wins[way] = wins.get(way, 0) + 1
-        lines.append([kind, count, ", ".join(f"{way} {n}" for way, n in sorted(wins.items(), key=lambda item: -item[1]))])
-    return table(["picture", "rays", "fastest on how many scenes"], lines)
 
 
 # Robustness.
