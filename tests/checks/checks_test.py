@@ -243,6 +243,13 @@ class Links(Tree):
         self.assert_found(links.check, "docs/a.md", "\n[c](c.md) and `accel/kdtree/gone.h`\n",
                           "a.md:2: links to c.md", "names accel/kdtree/gone.h")
 
+    def test_sections(self):
+        self.write("docs/b.md", "# B\n## One, `two`\n## One, two\n```\n# Code\n```\n")
+        self.assert_clean(links.check, "docs/a.md", "## Here\n[b](b.md#one-two), [b](b.md#one-two-1), [a](#here)\n")
+        for link in ("b.md#one", "b.md#code", "b.md#one-two-2", "#there"):
+            with self.subTest(link=link):
+                self.assert_found(links.check, "docs/a.md", f"## Here\n[b]({link})\n", "a section that is gone")
+
 
 class Map(Tree):
     PAGE = """# Map
