@@ -6,8 +6,9 @@ const kInvalid = 2;  // of HIT_FIELD_HIT
 
 const kFields = ['T', 'NODE', 'NAME', 'PRIMITIVE', 'BARYCENTRIC', 'NORMAL', 'POSITION', 'HIT', 'WORK'];
 
-// Nine digits tell every float32 from the next.
-const short = numbers => [...numbers].map(value => Number(value.toPrecision(9)));
+// float32 values as numbers with the fewest digits that tell them from others.
+const short = numbers => [...numbers].map(value =>
+  [6, 7, 8, 9].map(digits => Number(value.toPrecision(digits))).find(one => Math.fround(one) === value) ?? value);
 
 export const asText = numbers => numbers.map(value => String(value + 0)).join(' ');
 

@@ -15,6 +15,7 @@ export class Tree {
     this.body = document.createElement('div');
     this.body.setAttribute('role', 'none');
     this.body.className = 'rows';
+    this.drawn = new Map();  // id: the element of its row
     element.append(this.body);
     this.close();
     element.addEventListener('scroll', () => this.#draw());
@@ -107,32 +108,40 @@ export class Tree {
     const active = this.active ? ids.indexOf(this.active) : -1;
     if (active >= 0 && active < first) shown.unshift(this.#row(active, height));
     if (active >= last) shown.push(this.#row(active, height));
-    body.replaceChildren(...shown);
+    // A row that is pressed stays until it is released, or it would get no click.
+    const isSame = shown.length === body.childElementCount && shown.every((row, i) => row === body.children[i]);
+    if (!isSame) body.replaceChildren(...shown);
+    this.drawn = new Map(shown.map(row => [Number(row.dataset.node), row]));
     if (active >= 0) element.setAttribute('aria-activedescendant', rowId(this.active));
     else element.removeAttribute('aria-activedescendant');
   }
 
+  // The element that is there already, if it says the same.
   #row(index, height) {
     const {ids, levels, positions, sizes} = this.rows;
     const id = ids[index];
+    const expanded = this.table.childrenOf(id).size ? String(this.open.has(id)) : undefined;
+    const attributes = {
+      'aria-level': levels[index], 'aria-posinset': positions[index], 'aria-setsize': sizes[index],
+      'aria-selected': id === this.selected, ...(expanded && {'aria-expanded': expanded}),
+    };
+    const name = this.table.name(id);
+    const said = JSON.stringify([attributes, name, id === this.active, index, height]);
+    const known = this.drawn.get(id);
+    if (known?.said === said) return known;
     const row = document.createElement('div'), mark = document.createElement('span');
+    row.said = said;
     row.id = rowId(id);
     row.dataset.node = id;
     row.setAttribute('role', 'treeitem');
-    row.setAttribute('aria-level', levels[index]);
-    row.setAttribute('aria-posinset', positions[index]);
-    row.setAttribute('aria-setsize', sizes[index]);
-    row.setAttribute('aria-selected', id === this.selected);
+    for (const [key, value] of Object.entries(attributes)) row.setAttribute(key, value);
     row.classList.toggle('active', id === this.active);
     row.style.top = `${index * height}px`;
     row.style.paddingInlineStart = `${Math.min(levels[index] - 1, kDeepest)}rem`;
     mark.className = 'mark';
     mark.setAttribute('aria-hidden', 'true');
-    if (this.table.childrenOf(id).size) {
-      row.setAttribute('aria-expanded', this.open.has(id));
-      mark.textContent = this.open.has(id) ? '▾' : '▸';
-    }
-    row.append(mark, ...nameParts(id, this.table.name(id)));
+    mark.textContent = expanded === 'true' ? '▾' : expanded ? '▸' : '';
+    row.append(mark, ...nameParts(id, name));
     return row;
   }
 
