@@ -121,7 +121,7 @@ RayGenerator rest_of(RayGenerator generator, std::uint64_t first) {
   return rest_of_generator(std::move(generator), first);
 }
 PointGrid rest_of(PointGrid grid, std::uint64_t first) {
-  return rest_of_generator(std::move(grid), first);
+  return rest_of_generator(grid, first);
 }
 
 template std::vector<ColumnBytes> columns_of(const RayColumns<const float>&);
