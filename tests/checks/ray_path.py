@@ -1,11 +1,11 @@
-"""docs/map.md names only files and folders that exist, has its three walks, and leaves out no room."""
+"""docs/ray_path.md names only files and folders that exist, has its three walks, and leaves out no room."""
 
 import pathlib
 import re
 
 from sources import PRODUCT, cpp_files, line_of, read
 
-PAGE = "docs/map.md"
+PAGE = "docs/ray_path.md"
 # A heading for each walk, and the least number of files below it.
 WALKS = {"ray": 5, "update": 5, "build": 3}
 _FILE = re.compile(r"(?<![\w./])((?:[\w-]+/)*[\w-]+\.(?:h|cpp|proto)|(?:[\w-]+/)*[\w-]+\.\{[\w,]+\})")
