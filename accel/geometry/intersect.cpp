@@ -56,8 +56,8 @@ int exact_sign(const LocalRay& ray, const Vec3d& a, const Vec3d& b) {
 }
 
 /// det[d, a - o, b - a]. Both differences are exact, and no product is below 2^-760. In units of
-/// 2^-106 |a - o| |b - a| (maximum norm), a component of the cross product is off by at most 24, its
-/// product with |d| < 2 by 80, and the sum of three such products by 336.
+/// 2^-106 |a - o| |b - a| (maximum norm), a component of the cross product is off by at most 24,
+/// its product with |d| < 2 by 80, and the sum of three such products by 336.
 DoubleDouble determinant_in_double_doubles(const LocalRay& ray, const Vec3d& a, const Vec3d& b) {
   std::array<DoubleDouble, 3> p, e;
   for (std::size_t i = 0; i < 3; ++i) {

@@ -97,9 +97,11 @@ def robust(folder):
         kinds = {kind: [sum(row[key] for row in some) for key in ("missed", "extra", "rays")] for kind, some in groups(of, "kind").items()}
         cell = lambda missed, extra, rays: "0" if missed + extra == 0 else f"{percent(missed / rays)}, {percent(extra / rays)}"
         checked, wrong = (sum(row.get(key, 0) for row in of) for key in ("checked", "mismatched"))
-        lines.append([family, method + (", growing" if policy == "first-touch" else ""),
-                      *(cell(*kinds[kind]) for kind in ("vertices", "edges", "random", "axis")),
-                      percent(wrong / checked) if checked else None])
+        cells = [*(cell(*kinds[kind]) for kind in ("vertices", "edges", "random", "axis")), percent(wrong / checked) if checked else None]
+        if policy == "first-touch" and lines[-1][0] == family and lines[-1][2:] == cells:
+            lines[-1][1] += ", full and growing"
+        else:
+            lines.append([family, method + (", growing" if policy == "first-touch" else ""), *cells])
     return table(["family", "method", "vertices", "edges", "random", "axis", "wrong nearest hit"], lines)
 
 
@@ -199,8 +201,9 @@ ASIDE = "again_", "dynamic_touches", "small_", "static_trace_ms"  # columns that
 
 def motion(folder):
     rows = [row for row in read_csv(folder / "motion.csv") if not row["quantity"].startswith(ASIDE)]
-    return table(["show", "quantity", "figure"], [[row["show"], row["quantity"].replace("_", " "), row["figure"]] for row in rows
-                                                  if not row["quantity"].endswith(("_q1", "_q3"))])
+    figures = lambda of: "; ".join(f"{row['quantity'].replace('_', ' ')}: {show(row['figure'])}" for row in of
+                                   if not row["quantity"].endswith(("_q1", "_q3")))
+    return table(["show", "figures"], [[name, figures(of)] for name, of in groups(rows, "show").items()])
 
 
 def filled(text, folder):
