@@ -158,19 +158,6 @@ def law(folder):
                   for row in rows if row["what"] == "fit"])
 
 
-def law_points(folder):
-    """Touches over n, for the smallest and the largest scene."""
-    points = [row for row in read_csv(folder / "lazy_law.csv") if row["what"] == "point"]
-    sizes = sorted({row["n"] for row in points})
-    shares = [share for share in sorted({row["share"] for row in points}) if round(math.log2(share)) % 2 == 0]
-    lines = []
-    for hierarchy, of in groups(points, "hierarchy").items():
-        for n in (sizes[0], sizes[-1]):
-            by_share = {row["share"]: row["touches"] / n for row in of if row["n"] == n}
-            lines.append([f"{hierarchy}, 2^{math.log2(n):.0f}", *(by_share.get(share) for share in shares)])
-    return table(["n", *("all" if share == 1 else f"2^{math.log2(share):.0f}" for share in shares)], lines)
-
-
 def villages(folder):
     return table(["triangles", "nodes", "touches", "touches of the first ray", "first hit, us", "with cold caches, us"],
                  [[f"2^{math.log2(row['triangles']):.0f}", *(row[key] for key in ("nodes", "touches", "touches_first", "first_hit_us",
