@@ -94,6 +94,14 @@ def papers(folder):
 
 # Robustness.
 
+def alike_once(lines):
+    """Lines of a family, a method and cells: a method that has the same cells in every family has one line, of all."""
+    families = len({line[0] for line in lines})
+    of_method = {method: [line[2:] for line in lines if line[1] == method] for method in dict.fromkeys(line[1] for line in lines)}
+    alike = {method: cells[0] for method, cells in of_method.items() if len(cells) == families and cells.count(cells[0]) == families}
+    return [["all", method, *cells] for method, cells in alike.items()] + [line for line in lines if line[1] not in alike]
+
+
 def robust(folder):
     lines = []
     rows = [row for row in read_csv(folder / "robust.csv") if row["builder"] == "scan-fast" or row["method"] != "exact"]
@@ -106,7 +114,7 @@ def robust(folder):
             lines[-1][1] += ", full and growing"
         else:
             lines.append([family, method + (", growing" if policy == "first-touch" else ""), *cells])
-    return table(["family", "method", "vertices", "edges", "random", "axis", "wrong nearest hit"], lines)
+    return table(["family", "method", "vertices", "edges", "random", "axis", "wrong nearest hit"], alike_once(lines))
 
 
 def broken(text):
