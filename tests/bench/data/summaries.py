@@ -85,7 +85,8 @@ TIMES = "seconds", "polygons_per_s"  # of machines of other decades: the page le
 
 
 def papers(folder):
-    figures = lambda rows: "; ".join(f"{row['quantity'].replace('_', ' ')}: {show(row['published'])} / {show(row['here'])}" for row in rows)
+    figure = lambda row: f"{row['quantity'].replace('_', ' ')}: {show(row['published'])} / {show(row['here'])}"
+    figures = lambda rows: "; ".join(figure(row) for row in rows)
     rows = [row for row in read_csv(folder / "papers.csv") if row["quantity"] not in TIMES]
     return table(["source", "scene", "builder", "published / here"],
                  [[source, scene, f"`{builder}`", figures(of)]
@@ -97,9 +98,12 @@ def papers(folder):
 def alike_once(lines):
     """Lines of a family, a method and cells: a method that has the same cells in every family has one line, of all."""
     families = len({line[0] for line in lines})
-    of_method = {method: [line[2:] for line in lines if line[1] == method] for method in dict.fromkeys(line[1] for line in lines)}
-    alike = {method: cells[0] for method, cells in of_method.items() if len(cells) == families and cells.count(cells[0]) == families}
-    return [["all", method, *cells] for method, cells in alike.items()] + [line for line in lines if line[1] not in alike]
+    cells_of = {}
+    for _, method, *cells in lines:
+        cells_of.setdefault(method, []).append(cells)
+    alike = {method: cells[0] for method, cells in cells_of.items() if cells.count(cells[0]) == len(cells) == families}
+    return [["all", method, *cells] for method, cells in alike.items()] + \
+        [line for line in lines if line[1] not in alike]
 
 
 def robust(folder):
