@@ -72,8 +72,7 @@ Counts counts_of(const ImportedScene& scene) {
 std::string why_not_hittable(const ImportedScene& scene, std::string_view file) {
   const Counts counts = counts_of(scene);
   if (counts.hittable) return {};
-  if (counts.finite > 0)
-    return fmt::format("none of its {} triangles has an area", counts.finite);
+  if (counts.finite > 0) return fmt::format("none of its {} triangles has an area", counts.finite);
   if (counts.placed > 0) {
     return fmt::format("each of its {} triangles has a vertex that is not finite", counts.placed);
   }

@@ -54,7 +54,7 @@ Placement placement_of(const Statements& statements, const Statement* placement,
 double loss_of(const Placement& placement) {
   const aiMatrix4x4& m = placement.rounded;
   const Vector3 rounded(static_cast<double>(m.a4), static_cast<double>(m.b4),
-                       static_cast<double>(m.c4));
+                        static_cast<double>(m.c4));
   return (Vector3(placement.exact.a4, placement.exact.b4, placement.exact.c4) - rounded).Length();
 }
 

@@ -134,11 +134,11 @@ constexpr Format kOthers[] = {
     {"a buffer of a glTF file", "import the .gltf file that names it", " bin "}};
 
 constexpr const Format* kByExtension[] = {
-    &kVrml,    &kX3d,    &kUsd,       &kStepFile,   &kThreeMf, &kBlend,     &kSketchUp, &kDwg,
-    &kDxf,     &kRhino,  &kParasolid, &kIges,   &kLas,     &kPcd,       &kE57,      &kCityJson,
-    &kCityGml, &kIfcXml, &kIfcZip,    &kZae,    &kThreeDs, &kLightWave, &kDirectX,  &kOff,
-    &kOgre,    &kMd2,    &kMd3,       &kMd5,    &kAse,     &kAmf,       &kVtk,      &kGmsh,
-    &kTiles,   &kDraco,  &kZip,       &kPacked, &kImage,   &kPdf,       &kHtml};
+    &kVrml,    &kX3d,    &kUsd,       &kStepFile, &kThreeMf, &kBlend,     &kSketchUp, &kDwg,
+    &kDxf,     &kRhino,  &kParasolid, &kIges,     &kLas,     &kPcd,       &kE57,      &kCityJson,
+    &kCityGml, &kIfcXml, &kIfcZip,    &kZae,      &kThreeDs, &kLightWave, &kDirectX,  &kOff,
+    &kOgre,    &kMd2,    &kMd3,       &kMd5,      &kAse,     &kAmf,       &kVtk,      &kGmsh,
+    &kTiles,   &kDraco,  &kZip,       &kPacked,   &kImage,   &kPdf,       &kHtml};
 
 struct Magic {
   std::string_view bytes;
