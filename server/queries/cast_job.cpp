@@ -200,7 +200,7 @@ bool CastJob::is_immediate() const {
 /// workers go on.
 Result<CastJob::Progress> CastJob::answer_at_once(v1::CastRaysResponse& reply) {
   const auto begun = Clock::now();
-  if (Status ready = begin(); !ready) return ready.error();
+  if (const Status ready = begin(); !ready) return ready.error();
   reply.clear_first_ray();
   reply.clear_more();
   begin_columns(reply);

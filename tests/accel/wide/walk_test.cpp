@@ -228,28 +228,28 @@ class OnEveryMesh : public ::testing::TestWithParam<std::tuple<std::int64_t, std
 };
 
 TEST_P(OnEveryMesh, PacketsOfAnySizeEqualTheRule) {
-  const std::vector<Ray> rays = tests::make_hard_rays(of_->mesh, 192, 21);
+  const std::vector<Ray> rays = tests::make_hard_rays(of_->mesh, 96, 21);
   EXPECT_GT(expect_exact(*of_, rays, {1, 3, 5, kLanes}), 0u);
 }
 
 TEST_P(OnEveryMesh, RaysSideBySideEqualTheRule) {
-  const std::vector<Ray> rays = side_by_side(of_->mesh, 24, 22);
+  const std::vector<Ray> rays = side_by_side(of_->mesh, 12, 22);
   expect_exact(*of_, rays, {kLanes});
 }
 
 TEST_P(OnEveryMesh, SteepRaysEqualTheRule) {
-  const std::vector<Ray> rays = steep(*of_, 320, 23);
+  const std::vector<Ray> rays = steep(*of_, 160, 23);
   expect_exact(*of_, rays, {1, kLanes});
 }
 
 TEST_P(OnEveryMesh, RaysFromAfarEqualTheRule) {
-  const std::vector<Ray> rays = from_afar(*of_, 320, 29);
+  const std::vector<Ray> rays = from_afar(*of_, 160, 29);
   EXPECT_GT(expect_exact(*of_, rays, {1, kLanes}), 0u);
 }
 
 TEST_P(OnEveryMesh, LimitsAtHitsAreClosed) {
-  std::vector<Ray> rays = tests::make_hard_rays(of_->mesh, 96, 24);
-  for (const std::vector<Ray>& more : {side_by_side(of_->mesh, 6, 25), from_afar(*of_, 96, 30)})
+  std::vector<Ray> rays = tests::make_hard_rays(of_->mesh, 48, 24);
+  for (const std::vector<Ray>& more : {side_by_side(of_->mesh, 3, 25), from_afar(*of_, 48, 30)})
     rays.insert(rays.end(), more.begin(), more.end());
   rays = tests::with_limits_at_hits(of_->mesh, rays);
   expect_exact(*of_, rays, {kLanes});

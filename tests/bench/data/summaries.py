@@ -4,7 +4,6 @@ A page has a line `<!-- data: NAME -->`, then the table, then a line `<!-- end -
 """
 import math
 import re
-import statistics
 
 from csv_files import read_csv
 
@@ -68,35 +67,11 @@ def builder_line(name, rows, sweep):
 BUILDER_HEADS = ["builder", "Mtri/s", "references / triangle", "touches / triangle", "SAH cost", "work", "trace time"]
 
 
-def builder_lines(folder, chosen, turned=False):
-    rows = [row for row in read_csv(folder / "builders.csv") if (row["scene"] == TURNED) == turned]
-    sweep = {row["scene"]: row for row in rows if row["configuration"] == SWEEP}
-    return table(BUILDER_HEADS, [builder_line(name, of, sweep) for name, of in groups(rows, "configuration").items() if chosen(of[0])])
-
-
 def builders(folder):
-    return builder_lines(folder, lambda row: row["default"] == "yes" or row["configuration"] == SWEEP)
-
-
-def parameters(folder):
-    return builder_lines(folder, lambda row: row["default"] == "no" and row["configuration"] != SWEEP)
-
-
-TURNED_BUILDERS = "spatial-median", "sah-sweep", "min-max-bins", "scan-all-axes", "scan-fast", "scan-best", "bvh-sweep", "sbvh"
-
-
-def turned(folder):
-    return builder_lines(folder, lambda row: row["default"] == "yes" and row["builder"] in TURNED_BUILDERS, turned=True)
-
-
-def growth(folder):
-    lines = []
-    for name, rows in groups(read_csv(folder / "growth.csv"), "builder").items():
-        small, large = rows[0], rows[-1]
-        lines.append([f"`{name}`", f"2^{math.log2(small['triangles']):.0f} to 2^{math.log2(large['triangles']):.0f}",
-                      small["touches_per_triangle"], large["touches_per_triangle"], small["law"], small["a"],
-                      percent(small["largest_residual"])])
-    return table(["builder", "triangles", "touches / triangle, fewest", "most", "law", "a", "largest residual"], lines)
+    rows = [row for row in read_csv(folder / "builders.csv") if row["scene"] != TURNED]
+    sweep = {row["scene"]: row for row in rows if row["configuration"] == SWEEP}
+    return table(BUILDER_HEADS, [builder_line(name, of, sweep) for name, of in groups(rows, "configuration").items()
+                                 if of[0]["default"] == "yes" or of[0]["configuration"] == SWEEP])
 
 
 def slivers(folder):
@@ -113,20 +88,6 @@ def papers(folder):
                   for (source, scene, builder), rows in groups(read_csv(folder / "papers.csv"), "source", "scene", "builder").items()])
 
 
-def images(folder):
-    """The fastest way for each number of rays, Embree left out: how many scenes each way wins."""
-    rows = [row for row in read_csv(folder / "images.csv") if not row["builder"].startswith("embree")]
-    lines = []
-    for (kind, count), of in groups(rows, "rays", "count").items():
-        wins = {}
-        for scene in groups(of, "scene").values():
-            best = min(scene, key=lambda row: row["seconds_to_hits"])
-            way = "growing `scan-fast`" if best["policy"] == "first-touch" else f"`{best['builder']}`"
-            wins[way] = wins.get(way, 0) + 1
-        lines.append([kind, count, ", ".join(f"{way} {n}" for way, n in sorted(wins.items(), key=lambda item: -item[1]))])
-    return table(["picture", "rays", "fastest on how many scenes"], lines)
-
-
 # Robustness.
 
 def robust(folder):
@@ -136,9 +97,11 @@ def robust(folder):
         kinds = {kind: [sum(row[key] for row in some) for key in ("missed", "extra", "rays")] for kind, some in groups(of, "kind").items()}
         cell = lambda missed, extra, rays: "0" if missed + extra == 0 else f"{percent(missed / rays)}, {percent(extra / rays)}"
         checked, wrong = (sum(row.get(key, 0) for row in of) for key in ("checked", "mismatched"))
-        lines.append([family, method + (", growing" if policy == "first-touch" else ""),
-                      *(cell(*kinds[kind]) for kind in ("vertices", "edges", "random", "axis")),
-                      percent(wrong / checked) if checked else None])
+        cells = [*(cell(*kinds[kind]) for kind in ("vertices", "edges", "random", "axis")), percent(wrong / checked) if checked else None]
+        if policy == "first-touch" and lines[-1][0] == family and lines[-1][2:] == cells:
+            lines[-1][1] += ", full and growing"
+        else:
+            lines.append([family, method + (", growing" if policy == "first-touch" else ""), *cells])
     return table(["family", "method", "vertices", "edges", "random", "axis", "wrong nearest hit"], lines)
 
 
@@ -238,63 +201,9 @@ ASIDE = "again_", "dynamic_touches", "small_", "static_trace_ms"  # columns that
 
 def motion(folder):
     rows = [row for row in read_csv(folder / "motion.csv") if not row["quantity"].startswith(ASIDE)]
-    return table(["show", "quantity", "figure"], [[row["show"], row["quantity"].replace("_", " "), row["figure"]] for row in rows
-                                                  if not row["quantity"].endswith(("_q1", "_q3"))])
-
-
-# Planning.
-
-POLICIES = {"round_robin": "round robin", "hashing": "hashing", "bounded": "hashing, bounded"}
-UNITS = {"s": (1e6, "us"), "bytes": (1, "bytes"), "triangles": (1, "triangles")}
-
-
-def planning_costs(folder):
-    lines = []
-    for row in read_csv(folder / "planning_costs.csv"):
-        scale, unit = UNITS[row["unit"]]
-        if unit == "us" and row["value"] < 1e-6:
-            scale, unit = 1e9, "ns"
-        lines.append([f"`{row['name']}`", f"{show(scale * row['value'])} {unit}", f"{show(scale * row['least'])} to {show(scale * row['most'])}"])
-    return table(["unit cost", "median", "of rounds"], lines)
-
-
-def planning_fleets(folder):
-    """The smallest fleets whose busiest replica has room, and what they cost."""
-    rows = [row for row in read_csv(folder / "planning.csv") if row["zipf"] == 1 and row["busiest"] <= 0.8]
-    lines = []
-    for clients in sorted({row["clients"] for row in rows}):
-        line = [clients]
-        for policy in POLICIES:
-            of = [row for row in rows if row["clients"] == clients and row["policy"] == policy]
-            best = min(of, key=lambda row: row["replicas"], default=None)
-            line.append(f"{best['replicas']:,.0f} ({show(best['cost_an_hour'])})" if best else None)
-        lines.append(line)
-    return table(["clients", *POLICIES.values()], lines)
-
-
-def planning_log(folder):
-    """The largest fleets whose updates PostgreSQL can take."""
-    rows = read_csv(folder / "planning_log.csv")
-    lines = []
-    for updates, of in groups(rows, "updates_s").items():
-        most = {policy: max((row["replicas"] for row in of if row["policy"] == policy and row["database_load"] <= 1), default=None) for policy in POLICIES}
-        lines.append([updates, *most.values()])
-    lines = [[line[0], *("1,000 and more" if cell == 1000 else cell for cell in line[1:])] for line in sorted(lines)]
-    return table(["updates a second", *POLICIES.values()], lines)
-
-
-QUANTITIES = {"throughput": "requests a second", "built_ratio": "triangles built, over one server's", "p50_ms": "median response, ms"}
-
-
-def planning_check(folder):
-    lines = []
-    for policy, of in groups(read_csv(folder / "planning_check.csv"), "policy").items():
-        for key, name in QUANTITIES.items():
-            measured, simulated = ([row[f"{who}_{key}"] for row in of] for who in ("measured", "simulated"))
-            quotients = sorted(b / a for a, b in zip(measured, simulated))
-            lines.append([POLICIES[policy], name, statistics.median(measured), statistics.median(simulated),
-                          f"{statistics.median(simulated) / statistics.median(measured):.2f}", f"{quotients[0]:.2f} to {quotients[-1]:.2f}"])
-    return table(["policy", "quantity", "measured", "simulated", "simulated / measured", "of rounds"], lines)
+    figures = lambda of: "; ".join(f"{row['quantity'].replace('_', ' ')}: {show(row['figure'])}" for row in of
+                                   if not row["quantity"].endswith(("_q1", "_q3")))
+    return table(["show", "figures"], [[name, figures(of)] for name, of in groups(rows, "show").items()])
 
 
 def filled(text, folder):
