@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace sightline::scenegraph::model {
@@ -29,24 +30,24 @@ std::string shown(std::string key) {
   return "label \"" + key + "\"";
 }
 
-Status check_label(const Label& label) {
-  if (label.key.empty()) return bad_label("a label has an empty key", "LABEL_KEY_EMPTY");
-  if (label.key.size() > kMaxLabelKey) {
-    return too_much("the key of a label has", label.key.size(), "bytes", kMaxLabelKey,
+}  // namespace
+
+Status check_label(const std::string& key, const std::string& value) {
+  if (key.empty()) return bad_label("a label has an empty key", "LABEL_KEY_EMPTY");
+  if (key.size() > kMaxLabelKey) {
+    return too_much("the key of a label has", key.size(), "bytes", kMaxLabelKey,
                     "LABEL_KEY_TOO_LONG");
   }
-  if (label.value.size() > kMaxLabelValue) {
-    return too_much("the value of " + shown(label.key) + " has", label.value.size(), "bytes",
-                    kMaxLabelValue, "LABEL_VALUE_TOO_LONG");
+  if (value.size() > kMaxLabelValue) {
+    return too_much("the value of " + shown(key) + " has", value.size(), "bytes", kMaxLabelValue,
+                    "LABEL_VALUE_TOO_LONG");
   }
-  if (has_control(label.key) || has_control(label.value)) {
-    return bad_label(shown(label.key) + " has a control character in its key or its value",
+  if (has_control(key) || has_control(value)) {
+    return bad_label(shown(key) + " has a control character in its key or its value",
                      "LABEL_CONTROL_CHARACTER");
   }
   return {};
 }
-
-}  // namespace
 
 Status check_labels(const Labels& labels) {
   if (labels == nullptr) return {};
@@ -54,8 +55,9 @@ Status check_labels(const Labels& labels) {
     return too_much("a node has", labels->size(), "labels", kMaxLabels, "TOO_MANY_LABELS");
   std::size_t bytes = 0;
   std::vector<std::string_view> keys;
+  keys.reserve(labels->size());
   for (const Label& label : *labels) {
-    if (Status good = check_label(label); !good) return good;
+    if (Status good = check_label(label.key, label.value); !good) return good;
     bytes += label.key.size() + label.value.size();
     keys.push_back(label.key);
   }

@@ -26,6 +26,9 @@ struct Label {
 /// Revisions share them.
 using Labels = std::shared_ptr<const std::vector<Label>>;
 
+/// Checks the limits of one label, that its key is not empty, and that neither its key nor its
+/// value has control characters. Errors: kInvalidArgument, with the value and the limit.
+Status check_label(const std::string& key, const std::string& value);
 /// Checks the limits, and that each key is there once, is not empty, and has no control character.
 /// Values have none either. Errors: kInvalidArgument, with the value and the limit.
 Status check_labels(const Labels& labels);
