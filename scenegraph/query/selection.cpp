@@ -49,7 +49,7 @@ bool Selection::decide(std::size_t index) const {
     return std::binary_search(excluded_.begin(), excluded_.end(), id);
   };
   const auto is_root = [&](model::NodeId id) { return id == root_; };
-  return shard_.has(node) && !any_upward(hierarchy, node, is_excluded) &&
+  return shard_.has(node) && (excluded_.empty() || !any_upward(hierarchy, node, is_excluded)) &&
          (root_ == 0 || any_upward(hierarchy, node, is_root)) &&
          (labels_.sees_all() || labels_.sees(*snapshot_, node));
 }
