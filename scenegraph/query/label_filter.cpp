@@ -16,8 +16,9 @@ bool matches(const std::vector<LabelMatch>& sorted, const model::Label& label) {
   const auto of_key = std::ranges::equal_range(sorted, label.key, {}, &LabelMatch::key);
   if (of_key.empty()) return false;
   return !of_key.front().value ||
-         std::ranges::binary_search(of_key, label.value, {},
-                                    [](const LabelMatch& match) { return *match.value; });
+         std::ranges::binary_search(
+             of_key, label.value, {},
+             [](const LabelMatch& match) -> const std::string& { return *match.value; });
 }
 
 bool has_match(const std::vector<LabelMatch>& sorted, const model::Labels& labels) {
