@@ -352,7 +352,7 @@ Status CastJob::begin() {
     auto of_query = shard_of(query_, services_, snapshot_);
     if (!of_query) return of_query.error();
     auto selection = scenegraph::query::Selection::make(snapshot_, query_.root, query_.excluded,
-                                                        *std::move(of_query));
+                                                        query_.labels, *std::move(of_query));
     if (!selection) return selection.error();
     selection_.emplace(std::move(*selection));
   }

@@ -42,7 +42,7 @@ class Shards {
   Shards(SnapshotPointer snapshot, std::uint32_t shards)
       : snapshot_(std::move(snapshot)), cut_(std::make_shared<const ShardCut>(*snapshot_, shards)) {
     for (std::uint32_t i = 0; i < shards; ++i)
-      selections_.push_back(*Selection::make(snapshot_, 0, {}, {cut_, i}));
+      selections_.push_back(*Selection::make(snapshot_, 0, {}, {}, {cut_, i}));
   }
 
   ShardMerge ask(QueryKind kind, std::span<const Ray> rays, TraceOptions options,

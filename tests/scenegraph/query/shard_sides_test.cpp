@@ -67,7 +67,7 @@ class SideShards {
   SideShards(SharedRevision snapshot, std::uint32_t shards)
       : snapshot_(std::move(snapshot)), cut_(std::make_shared<const ShardCut>(*snapshot_, shards)) {
     for (std::uint32_t i = 0; i < shards; ++i)
-      selections_.push_back(*Selection::make(snapshot_, 0, {}, {cut_, i}));
+      selections_.push_back(*Selection::make(snapshot_, 0, {}, {}, {cut_, i}));
   }
 
   MergedSides ask(std::span<const Ray> points, const SideQuestion& question,
