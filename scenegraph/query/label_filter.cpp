@@ -35,15 +35,21 @@ LabelFilter::LabelFilter(std::vector<LabelMatch> only, std::vector<LabelMatch> e
   std::ranges::sort(excluded_, precedes);
 }
 
-bool LabelFilter::sees(const revision::Snapshot& snapshot, model::NodeId node) const {
-  bool is_chosen = only_.empty();
-  for (model::NodeId id = node; id != 0;) {
-    const model::Node& above = *snapshot.find(id);
-    if (has_match(excluded_, above.labels)) return false;
-    is_chosen = is_chosen || has_match(only_, above.labels);
-    id = above.parent;
-  }
-  return is_chosen;
+LabelView::State LabelView::look_at(model::NodeId node) const {
+  const model::Node& found = *snapshot_->find(node);
+  const State inherited = above(found.parent);
+  if (inherited == State::kExcluded || has_match(filter_.excluded_, found.labels))
+    return State::kExcluded;
+  const bool is_chosen = inherited == State::kSeen || has_match(filter_.only_, found.labels);
+  return is_chosen ? State::kSeen : State::kNotChosen;
+}
+
+LabelView::State LabelView::above(model::NodeId node) const {
+  if (node == 0) return filter_.only_.empty() ? State::kSeen : State::kNotChosen;
+  if (const auto known = above_.find(node); known != above_.end()) return known->second;
+  const State state = look_at(node);
+  above_.emplace(node, state);
+  return state;
 }
 
 }  // namespace sightline::scenegraph::query

@@ -1,8 +1,12 @@
 // The nodes that a query sees by their labels.
 #pragma once
 
+#include <tbb/concurrent_unordered_map.h>
+
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "scenegraph/revision/snapshot.h"
@@ -25,11 +29,34 @@ class LabelFilter {
   LabelFilter(std::vector<LabelMatch> only, std::vector<LabelMatch> excluded);
 
   bool sees_all() const { return only_.empty() && excluded_.empty(); }
-  /// Whether it sees a node of the snapshot. Cost: a look at the labels of each node above it.
-  bool sees(const revision::Snapshot& snapshot, model::NodeId node) const;
 
  private:
+  friend class LabelView;
+
   std::vector<LabelMatch> only_, excluded_;  // in ascending order
+};
+
+/// What a filter sees of one snapshot, which must outlive it. A query looks once at the labels of a
+/// node that has others under it, however many these are. Threads: any. Throws std::bad_alloc.
+class LabelView {
+ public:
+  LabelView(const revision::Snapshot& snapshot, LabelFilter filter)
+      : snapshot_(&snapshot), filter_(std::move(filter)) {}
+
+  /// Whether the filter sees a node of the snapshot.
+  bool sees(model::NodeId node) const {
+    return filter_.sees_all() || look_at(node) == State::kSeen;
+  }
+
+ private:
+  enum class State : std::uint8_t { kExcluded, kNotChosen, kSeen };
+
+  State look_at(model::NodeId node) const;
+  State above(model::NodeId node) const;  // what it passes on to nodes under it
+
+  const revision::Snapshot* snapshot_;
+  LabelFilter filter_;
+  mutable tbb::concurrent_unordered_map<model::NodeId, State> above_;
 };
 
 }  // namespace sightline::scenegraph::query

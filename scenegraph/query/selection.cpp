@@ -37,7 +37,7 @@ Selection::Selection(std::shared_ptr<const revision::Snapshot> snapshot, model::
     : snapshot_(std::move(snapshot)),
       root_(root),
       excluded_(std::move(excluded)),
-      labels_(std::move(labels)),
+      labels_(*snapshot_, std::move(labels)),
       shard_(std::move(shard)),
       trees_(snapshot_->trees()),
       selected_(trees_.size()) {}
@@ -50,8 +50,7 @@ bool Selection::decide(std::size_t index) const {
   };
   const auto is_root = [&](model::NodeId id) { return id == root_; };
   return shard_.has(node) && (excluded_.empty() || !any_upward(hierarchy, node, is_excluded)) &&
-         (root_ == 0 || any_upward(hierarchy, node, is_root)) &&
-         (labels_.sees_all() || labels_.sees(*snapshot_, node));
+         (root_ == 0 || any_upward(hierarchy, node, is_root)) && labels_.sees(node);
 }
 
 }  // namespace sightline::scenegraph::query

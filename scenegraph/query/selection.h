@@ -45,7 +45,7 @@ class Selection {
   std::shared_ptr<const revision::Snapshot> snapshot_;
   model::NodeId root_;
   std::vector<model::NodeId> excluded_;  // ascending
-  LabelFilter labels_;
+  LabelView labels_;
   Shard shard_;
   instances::OpenTrees trees_;  // of the snapshot
   instances::InstanceFilter selected_;

@@ -122,8 +122,9 @@ Status PrefetchJob::build() {
   if (!nodes) return nodes.error();
   const auto shard = shard_of(query_, services_, snapshot_);
   if (!shard) return shard.error();
+  const scenegraph::query::LabelView labels(*snapshot_, query_.labels);
   std::erase_if(*nodes, [&](const scenegraph::model::Node* node) {
-    return !shard->has(node->id) || !query_.labels.sees(*snapshot_, node->id);
+    return !shard->has(node->id) || !labels.sees(node->id);
   });
   meshes_ = scenegraph::query::meshes_of(*nodes);
   known_.store(true, std::memory_order_release);

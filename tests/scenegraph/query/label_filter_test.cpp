@@ -1,4 +1,4 @@
-// NodeIds that are seen by labels.
+// Nodes that are seen by labels.
 #include "scenegraph/query/label_filter.h"
 
 #include <gtest/gtest.h>
@@ -76,6 +76,32 @@ TEST(LabelFilter, AKeyAloneMatchesAnyValueAndAnEmptyValueOnlyThat) {
   EXPECT_EQ(seen({{"glass", ""}}, {}), (NodeIds{2}));
   EXPECT_EQ(seen({{"class", "IfcWall"}, {"class"}, {"class", "none"}}, {}), (NodeIds{2, 4}));
   EXPECT_EQ(seen({{"class", "z"}, {"class", "IfcWindow"}, {"class", "a"}}, {}), (NodeIds{2, 4}));
+}
+
+/// The labels of groups are looked at once, or this would take hours.
+TEST(LabelFilter, LooksAtManyLabelsOfAGroupOnce) {
+  constexpr int kGroups = model::kMaxDepth - 1, kLeaves = 20'000;
+  Scene scene;
+  std::vector<model::Update> updates;
+  for (int i = 1; i <= kGroups; ++i) {
+    std::vector<model::Label> labels;
+    for (int k = 0; k < 64; ++k) labels.push_back({"key" + std::to_string(k), std::to_string(i)});
+    updates.emplace_back(labelled(tests::put_node(-i, 1 - i, nullptr), std::move(labels)));
+  }
+  const auto mesh = tests::mesh_of(tests::cube());
+  for (int i = 1; i <= kLeaves; ++i)
+    updates.emplace_back(tests::put_node(-kGroups - i, -kGroups, mesh));
+  ASSERT_TRUE(scene.apply(updates));
+  Matches only;
+  for (int k = 0; k < 64; ++k) only.push_back({"key" + std::to_string(k), "0"});
+  const auto snapshot = scene.snapshot();
+  const LabelView none(*snapshot, LabelFilter(only, {}));
+  only.push_back({"key63", std::to_string(kGroups)});
+  const LabelView all(*snapshot, LabelFilter(only, {}));
+  for (int i = 1; i <= kLeaves; ++i) {
+    ASSERT_FALSE(none.sees(kGroups + i));
+    ASSERT_TRUE(all.sees(kGroups + i));
+  }
 }
 
 }  // namespace
