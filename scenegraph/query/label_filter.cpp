@@ -35,7 +35,7 @@ LabelFilter::LabelFilter(std::vector<LabelMatch> only, std::vector<LabelMatch> e
   std::ranges::sort(excluded_, precedes);
 }
 
-LabelView::State LabelView::look_at(model::NodeId node) const {
+LabelView::State LabelView::state_of(model::NodeId node) const {
   const model::Node& found = *snapshot_->find(node);
   const State inherited = above(found.parent);
   if (inherited == State::kExcluded || has_match(filter_.excluded_, found.labels))
@@ -47,7 +47,7 @@ LabelView::State LabelView::look_at(model::NodeId node) const {
 LabelView::State LabelView::above(model::NodeId node) const {
   if (node == 0) return filter_.only_.empty() ? State::kSeen : State::kNotChosen;
   if (const auto known = above_.find(node); known != above_.end()) return known->second;
-  const State state = look_at(node);
+  const State state = state_of(node);
   above_.emplace(node, state);
   return state;
 }

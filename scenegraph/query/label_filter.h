@@ -45,13 +45,13 @@ class LabelView {
 
   /// Whether the filter sees a node of the snapshot.
   bool sees(model::NodeId node) const {
-    return filter_.sees_all() || look_at(node) == State::kSeen;
+    return filter_.sees_all() || state_of(node) == State::kSeen;
   }
 
  private:
   enum class State : std::uint8_t { kExcluded, kNotChosen, kSeen };
 
-  State look_at(model::NodeId node) const;
+  State state_of(model::NodeId node) const;
   State above(model::NodeId node) const;  // what it passes on to nodes under it
 
   const revision::Snapshot* snapshot_;
