@@ -189,13 +189,13 @@ Result<BackupFileReader> BackupFileReader::open(const fs::path& directory) {
 
 Result<bool> BackupFileReader::next(v1::BackupPart& part) {
   if (!mesh_.is_reading()) {
-    const auto more = read_part(part);
+    auto more = read_part(part);
     // A mesh has bytes: one without them is named, and has a file.
     if (!more || !*more || !part.has_mesh() || !part.mesh().data().empty()) return more;
-    if (Status begun = mesh_.begin(part.mesh().digest()); !begun) return begun.error();
+    if (const Status begun = mesh_.begin(part.mesh().digest()); !begun) return begun.error();
   }
   part.Clear();
-  if (Status read = mesh_.next(*part.mutable_mesh()); !read) return read.error();
+  if (const Status read = mesh_.next(*part.mutable_mesh()); !read) return read.error();
   return true;
 }
 

@@ -71,6 +71,7 @@ std::vector<std::string> BackupMeshWriter::known() const {
   std::ranges::sort(by_size, std::greater());
   if (by_size.size() > kMostKnown) by_size.resize(kMostKnown);
   std::vector<std::string> digests;
+  digests.reserve(by_size.size());
   for (const auto& [size, sum] : by_size) digests.push_back(digest_text(sum, size));
   return digests;
 }

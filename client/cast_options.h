@@ -165,6 +165,10 @@ struct CastOptions {
   std::uint64_t root = 0;
   /// These nodes and their descendants are not visible.
   std::vector<std::uint64_t> exclude{};
+  /// Only nodes that have one of these labels and their descendants are visible. Empty: all nodes.
+  std::vector<LabelMatch> only_labels{};
+  /// Nodes that have one of these labels and their descendants are not visible.
+  std::vector<LabelMatch> exclude_labels{};
   /// How many hits kAll keeps per ray, the nearest first. 0: the server's default.
   std::uint32_t max_hits = 0;
   /// Of points, as side_rays: what signed_distance, inside and votes go by. Not set: kParity.

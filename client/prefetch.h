@@ -16,6 +16,10 @@ struct PrefetchOptions {
   std::vector<std::uint64_t> roots{};
   /// Leaves out these nodes and their descendants.
   std::vector<std::uint64_t> exclude{};
+  /// Builds only for nodes that have one of these labels and their descendants. Empty: all nodes.
+  std::vector<LabelMatch> only_labels{};
+  /// Leaves out nodes that have one of these labels and their descendants.
+  std::vector<LabelMatch> exclude_labels{};
   /// With rays or points: builds what a query of this kind would build. kCount and kAll build all
   /// cells on the rays' way, or in the balls of the points.
   QueryKind kind = QueryKind::kClosest;

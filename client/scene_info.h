@@ -57,6 +57,7 @@ struct NodeInfo {
   Mobility mobility = Mobility::kStatic;
   std::uint32_t mask = 0;
   bool patched = false;  ///< vertices were changed since the mesh of that digest was put
+  std::vector<Label> labels;
 };
 
 /// What a node has, in the mesh's frame.
@@ -88,7 +89,12 @@ struct ServerInfo {
   std::uint32_t max_hits_per_ray = 0;    ///< for QueryKind::kAll
   std::uint32_t max_hits_per_reply = 0;  ///< per message: rays times CastOptions::max_hits
   std::uint32_t max_exclusions = 0;
-  std::uint32_t max_prefetches = 0;  ///< running at the same time
+  std::uint32_t max_labels_per_node = 0;
+  std::uint32_t max_label_key_bytes = 0;
+  std::uint32_t max_label_value_bytes = 0;
+  std::uint32_t max_label_bytes_per_node = 0;  ///< keys and values
+  std::uint32_t max_label_matches = 0;  ///< of CastOptions::only_labels, and of exclude_labels
+  std::uint32_t max_prefetches = 0;     ///< running at the same time
   std::uint32_t max_updates_per_batch = 0;
   std::uint64_t max_batch_bytes = 0;     ///< a batch of an UpdateStream
   std::uint32_t update_window = 0;       ///< batches of an UpdateStream that are not answered

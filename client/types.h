@@ -1,4 +1,4 @@
-// Small value types: vertices, faces, transforms, mobility, up axis, consistency.
+// Small value types: vertices, faces, transforms, mobility, labels, up axis, consistency.
 #pragma once
 
 #include <array>
@@ -22,6 +22,20 @@ inline constexpr Transform kIdentity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
 /// How a node is expected to change.
 enum class Mobility : std::uint8_t { kStatic, kRigid, kDeforming };
+
+/// A fact about a node, in UTF-8 without control characters. ServerInfo has the limits.
+struct Label {
+  std::string key;  ///< not empty, and once for each node
+  std::string value;
+  bool operator==(const Label&) const = default;
+};
+
+/// Matches a node's label with this key and, unless it is not set, this value.
+struct LabelMatch {
+  std::string key;
+  std::optional<std::string> value{};
+  bool operator==(const LabelMatch&) const = default;
+};
 
 /// The axis that points up in a scene, if it is known.
 enum class UpAxis : std::uint8_t { kUnknown, kY, kZ };

@@ -25,6 +25,7 @@ struct PutNode {
   std::string mesh_digest{};  ///< an uploaded mesh's; empty: a group
   Mobility mobility = Mobility::kStatic;
   std::uint32_t mask = 0xffffffff;
+  std::vector<Label> labels{};
 };
 
 struct SetTransforms {

@@ -76,9 +76,9 @@ class Scene {
   /// Applies the whole batch to the head, or leaves the scene as it was. Threads: any; one writer
   /// at a time. Where there are revisions that wait for publish_next(), `publish` must be false.
   /// Errors name the update's index in the batch: kNotFound (unknown node or parent),
-  /// kInvalidArgument (cycle, non-finite matrix, name too long, depth over kMaxDepth, counts that
-  /// disagree), kFailedPrecondition (delete of a node with children), kCancelled, and
-  /// those of the charge.
+  /// kInvalidArgument (cycle, non-finite matrix, name too long, labels beyond their limits, depth
+  /// over kMaxDepth, counts that disagree), kFailedPrecondition (delete of a node with children),
+  /// kCancelled, and those of the charge.
   Result<Applied> apply(const std::vector<model::Update>& updates,
                         const ApplyOptions& options = {});
 

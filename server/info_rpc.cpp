@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "accel/split/scan_kernel.h"
+#include "scenegraph/model/labels.h"
 #include "scenegraph/model/mesh.h"
 #include "scenegraph/model/node.h"
 #include "server/blobs/blob_rpc.h"
@@ -131,6 +132,11 @@ void describe_requests(v1::GetServerInfoResponse& info) {
   info.set_max_scenes_per_page(updates::kMaxPage);
   info.set_max_prefetch_roots(queries::kMaxPrefetchRoots);
   info.set_max_node_name_bytes(scenegraph::model::kMaxNodeName);
+  info.set_max_labels_per_node(scenegraph::model::kMaxLabels);
+  info.set_max_label_key_bytes(scenegraph::model::kMaxLabelKey);
+  info.set_max_label_value_bytes(scenegraph::model::kMaxLabelValue);
+  info.set_max_label_bytes_per_node(scenegraph::model::kMaxLabelsOfNode);
+  info.set_max_label_matches(queries::kMaxLabelMatches);
   info.set_max_request_id_bytes(scenes::kMaxRequestId);
   info.set_max_producer_name_bytes(scenes::kMaxProducerName);
   info.set_max_id_bytes(scenes::kMaxId);
@@ -170,6 +176,7 @@ v1::GetServerInfoResponse describe(const ServerConfig& config, std::size_t max_c
                               "hit-bits",
                               "hit-positions",
                               "hit-names",
+                              "labels",
                               "ray-count",
                               "generators",
                               "patch",

@@ -84,11 +84,11 @@ inline float least_above(float x) {
 /// Returns the box with a positive, normal extent on every axis and no denormal bound, never
 /// smaller.
 ///
-/// This makes strict comparison with a plane a safe rule of membership (docs/decisions/0001): a
-/// flat box would lie on neither side of a plane through it, but a box widened by one float lies on
-/// one side. The result does not depend on denormals, so the rule is the same with flush-to-zero on
-/// or off. A thin box that is not flat gets an extent of at least two floats, so that an extent of
-/// one float always means "flat".
+/// This makes strict comparison with a plane a safe rule of membership (docs/decisions/trees.md,
+/// Membership): a flat box would lie on neither side of a plane through it, but a box widened by
+/// one float lies on one side. The result does not depend on denormals, so the rule is the same
+/// with flush-to-zero on or off. A thin box that is not flat gets an extent of at least two floats,
+/// so that an extent of one float always means "flat".
 inline Aabb widen_flat(Aabb b) {
   constexpr float kTiny = std::numeric_limits<float>::min();
   for (std::size_t a = 0; a < 3; ++a) {

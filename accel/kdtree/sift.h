@@ -1,5 +1,6 @@
 // Sifting: divides a cell's list by a plane; a straddler goes to both sides. Source: Hunt et al.
-// 2006, section 6.3.1. Differs: lists hold the boxes, not pointers to them (docs/decisions/0002).
+// 2006, section 6.3.1. Differs: lists hold the boxes, not pointers to them
+// (docs/decisions/trees.md, Lists hold boxes).
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // A slot: the 64-bit word of one child: what is there, or the cell that it will be made of.
-// docs/node_layout.md has a drawing.
+// docs/ray_path.md (node layout) has a drawing.
 #pragma once
 
 #include <atomic>

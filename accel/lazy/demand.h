@@ -1,5 +1,5 @@
 // When rays pay for building: what the rule of demand knows of the rays that wait at a cell, and
-// decides. docs/demand.md has the argument.
+// decides. docs/decisions/growth.md has the argument.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// The costs that the rule of demand compares. docs/demand.md has the argument.
+// The costs that the rule of demand compares. docs/decisions/growth.md has the argument.
 #pragma once
 
 #include <cstdint>

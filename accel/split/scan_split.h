@@ -17,7 +17,7 @@ namespace sightline::accel::split {
 /// eight.
 inline constexpr double kPlainBudget = 16;
 /// Most references for each triangle above leaf blocks. A larger budget makes trees larger, and
-/// slower for architecture; slivers are traced faster (docs/decisions/0034-leaf-blocks.md).
+/// slower for architecture; slivers are traced faster (docs/decisions/trees.md, Leaf blocks).
 inline constexpr double kBlockBudget = 1.3;
 /// Stands for kBlockBudget where leaves are blocks, else for kPlainBudget.
 inline constexpr double kUsualBudget = -1;

@@ -206,7 +206,7 @@ std::uint32_t near_box(const Packet& packet, const geometry::Aabb& box, std::uin
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
     geometry::Vec3f gap, off;
     if (near.stretched) {
-      geometry::Vec3f center, half;
+      geometry::Vec3f center;
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const float at = near.box_at[axis][lane], lo = box.lo[axis] - at, hi = box.hi[axis] - at;
         center[axis] = (lo + hi) * 0.5f;

@@ -391,8 +391,8 @@ class Point {
     }
     return true;
   }
-  /// The square of the sine of the cone's angle, and the most faces: docs/decisions/0078 has what
-  /// others cost.
+  /// The square of the sine of the cone's angle, and the most faces: docs/decisions/points.md has
+  /// what others cost.
   static constexpr float kCone = 0x1p-6f;
   static constexpr int kFew = 6;
 

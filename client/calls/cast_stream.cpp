@@ -33,6 +33,8 @@ void forget_description(Request& request) {
   CallsOf<Request>::clear_own(request);
   request.clear_root();
   request.clear_exclude();
+  request.clear_only_labels();
+  request.clear_exclude_labels();
   request.clear_max_hits();
   request.clear_consistency();
 }

@@ -21,6 +21,8 @@ v1::PrefetchRequest describe(const std::string& scene, const PrefetchOptions& op
   request.set_scene(scene);
   request.mutable_roots()->Assign(options.roots.begin(), options.roots.end());
   request.mutable_exclude()->Assign(options.exclude.begin(), options.exclude.end());
+  wire::encode(options.only_labels, *request.mutable_only_labels());
+  wire::encode(options.exclude_labels, *request.mutable_exclude_labels());
   request.set_kind(wire::encode(options.kind));
   return request;
 }

@@ -8,16 +8,14 @@
 #include <limits>
 #include <random>
 
+#include "client/importer/finite.h"
+
 namespace sightline::client::importer {
 namespace {
 
 constexpr std::uint32_t kFree = std::numeric_limits<std::uint32_t>::max();
 using Meshes = std::span<const ImportedMesh* const>;
 using Vector = std::array<double, 3>;
-
-bool is_finite(const Vertex& v) {
-  return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
-}
 
 // Numbers positions: vertices at the same position get the same number.
 class Positions {

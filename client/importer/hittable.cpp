@@ -3,21 +3,16 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "client/importer/extension.h"
+#include "client/importer/finite.h"
 
 namespace sightline::client::importer {
 namespace {
-
-bool has_finite_corner(const Vertex& v) {
-  return std::all_of(v.begin(), v.end(), [](float x) { return std::isfinite(x); });
-}
 
 // Whether a triangle has an area. It rounds, so that a file of nothing but slivers of a width below
 // 1e-15 of their length may seem to have none.
@@ -31,7 +26,7 @@ bool has_area(const Vertex& a, const Vertex& b, const Vertex& c) {
          ab[0] * ac[1] != ab[1] * ac[0];
 }
 
-struct Contents {
+struct Counts {
   std::uint64_t vertices = 0, triangles = 0, lines_and_points = 0;
   std::uint64_t points = 0;  // vertices of meshes that have points, or no faces
   std::uint64_t placed = 0;  // triangles of meshes that nodes have
@@ -39,55 +34,54 @@ struct Contents {
   bool hittable = false;
 };
 
-void count(const ImportedMesh& mesh, Contents& contents) {
-  contents.vertices += mesh.vertices.size();
-  contents.triangles += mesh.triangles;
-  contents.lines_and_points += mesh.lines_and_points;
+void count(const ImportedMesh& mesh, Counts& counts) {
+  counts.vertices += mesh.vertices.size();
+  counts.triangles += mesh.triangles;
+  counts.lines_and_points += mesh.lines_and_points;
   // A line has two vertices, which no other line shares.
   if (mesh.faces.empty() || mesh.lines_and_points == mesh.vertices.size())
-    contents.points += mesh.vertices.size();
+    counts.points += mesh.vertices.size();
 }
 
-void count_placed(const ImportedMesh& mesh, Contents& contents) {
+void count_placed(const ImportedMesh& mesh, Counts& counts) {
   for (const Face& face : mesh.faces) {
-    if (face[0] == kNoVertex || contents.hittable) continue;
-    ++contents.placed;
+    if (face[0] == kNoVertex || counts.hittable) continue;
+    ++counts.placed;
     const Vertex &a = mesh.vertices[face[0]], &b = mesh.vertices[face[1]],
                  &c = mesh.vertices[face[2]];
-    if (!has_finite_corner(a) || !has_finite_corner(b) || !has_finite_corner(c)) continue;
-    ++contents.finite;
-    contents.hittable = has_area(a, b, c);
+    if (!is_finite(a) || !is_finite(b) || !is_finite(c)) continue;
+    ++counts.finite;
+    counts.hittable = has_area(a, b, c);
   }
 }
 
-Contents contents_of(const ImportedScene& scene) {
-  Contents contents;
+Counts counts_of(const ImportedScene& scene) {
+  Counts counts;
   std::vector<bool> seen(scene.meshes.size());
   for (const ImportedNode& node : scene.nodes) {
     if (node.mesh == kNone || seen[node.mesh]) continue;
     seen[node.mesh] = true;
-    count_placed(scene.meshes[node.mesh], contents);
+    count_placed(scene.meshes[node.mesh], counts);
   }
-  for (const ImportedMesh& mesh : scene.meshes) count(mesh, contents);
-  return contents;
+  for (const ImportedMesh& mesh : scene.meshes) count(mesh, counts);
+  return counts;
 }
 
 }  // namespace
 
 std::string why_not_hittable(const ImportedScene& scene, std::string_view file) {
-  const Contents contents = contents_of(scene);
-  if (contents.hittable) return {};
-  if (contents.finite > 0)
-    return fmt::format("none of its {} triangles has an area", contents.finite);
-  if (contents.placed > 0) {
-    return fmt::format("each of its {} triangles has a vertex that is not finite", contents.placed);
+  const Counts counts = counts_of(scene);
+  if (counts.hittable) return {};
+  if (counts.finite > 0) return fmt::format("none of its {} triangles has an area", counts.finite);
+  if (counts.placed > 0) {
+    return fmt::format("each of its {} triangles has a vertex that is not finite", counts.placed);
   }
-  if (contents.triangles > 0)
-    return fmt::format("no node has one of its {} triangles", contents.triangles);
-  if (contents.points > 0)
-    return fmt::format("it is a point cloud: {} points, and no faces", contents.points);
-  if (contents.lines_and_points > 0)
-    return fmt::format("it has {} lines and points, and no triangle", contents.lines_and_points);
+  if (counts.triangles > 0)
+    return fmt::format("no node has one of its {} triangles", counts.triangles);
+  if (counts.points > 0)
+    return fmt::format("it is a point cloud: {} points, and no faces", counts.points);
+  if (counts.lines_and_points > 0)
+    return fmt::format("it has {} lines and points, and no triangle", counts.lines_and_points);
   if (extension_of(file) == "stl") return "it is an empty STL file: it has no facets";
   return "it has no triangles";
 }

@@ -15,9 +15,9 @@ namespace {
 constexpr int kDeepestPlacement = 100;
 
 using Matrix = aiMatrix4x4t<double>;
-using Vector = aiVector3t<double>;
+using Vector3 = aiVector3t<double>;
 
-Vector vector_of(const Statement* statement, const Vector& otherwise) {
+Vector3 vector_of(const Statement* statement, const Vector3& otherwise) {
   if (statement == nullptr) return otherwise;
   const auto numbers = numbers_of(argument(*statement, 0));
   return {numbers[0], numbers[1], numbers[2]};
@@ -25,13 +25,13 @@ Vector vector_of(const Statement* statement, const Vector& otherwise) {
 
 // IFCAXIS2PLACEMENT3D
 Matrix axes_of(const Statements& statements, const Statement& axes) {
-  const Vector at = vector_of(statements.find(argument(axes, 0)), {0, 0, 0});
-  Vector z = vector_of(statements.find(argument(axes, 1)), {0, 0, 1});
-  Vector x = vector_of(statements.find(argument(axes, 2)), {1, 0, 0});
+  const Vector3 at = vector_of(statements.find(argument(axes, 0)), {0, 0, 0});
+  Vector3 z = vector_of(statements.find(argument(axes, 1)), {0, 0, 1});
+  Vector3 x = vector_of(statements.find(argument(axes, 2)), {1, 0, 0});
   z.NormalizeSafe();
   x -= z * (x * z);
   x.NormalizeSafe();
-  const Vector y = z ^ x;
+  const Vector3 y = z ^ x;
   return {x.x, y.x, z.x, at.x, x.y, y.y, z.y, at.y, x.z, y.z, z.z, at.z, 0, 0, 0, 1};
 }
 
@@ -53,9 +53,9 @@ Placement placement_of(const Statements& statements, const Statement* placement,
 
 double loss_of(const Placement& placement) {
   const aiMatrix4x4& m = placement.rounded;
-  const Vector rounded(static_cast<double>(m.a4), static_cast<double>(m.b4),
-                       static_cast<double>(m.c4));
-  return (Vector(placement.exact.a4, placement.exact.b4, placement.exact.c4) - rounded).Length();
+  const Vector3 rounded(static_cast<double>(m.a4), static_cast<double>(m.b4),
+                        static_cast<double>(m.c4));
+  return (Vector3(placement.exact.a4, placement.exact.b4, placement.exact.c4) - rounded).Length();
 }
 
 // The number in an argument like IFCLENGTHMEASURE(0.3048); 0: it is none.

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <limits>
 
+#include "client/importer/finite.h"
+
 namespace sightline::client::importer {
 namespace {
 
@@ -18,10 +20,6 @@ constexpr double kChosenLoss = 1e-4;       // share of a mesh's size that a step
 constexpr double kLeastReach = 0x1p-1000;  // floats do not tell such coordinates from zero
 
 }  // namespace
-
-bool is_finite(const Point& vertex) {
-  return std::isfinite(vertex[0]) && std::isfinite(vertex[1]) && std::isfinite(vertex[2]);
-}
 
 VertexBox::VertexBox()
     : lo{kInfinity, kInfinity, kInfinity}, hi{-kInfinity, -kInfinity, -kInfinity} {}

@@ -7,8 +7,6 @@
 
 namespace sightline::client::importer {
 
-bool is_finite(const Point& vertex);
-
 /// Bounds of finite vertices.
 struct VertexBox {
   Point lo, hi;  ///< lo > hi if there is none

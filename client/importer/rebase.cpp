@@ -17,6 +17,7 @@
 #include <optional>
 #include <utility>
 
+#include "client/importer/finite.h"
 #include "client/importer/lattice.h"
 #include "client/importer/node_name.h"
 

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "client/importer/finite.h"
 #include "client/importer/frame.h"
 #include "client/importer/node_name.h"
 #include "client/importer/rebase.h"
@@ -21,11 +22,6 @@
 
 namespace sightline::client::importer {
 namespace {
-
-template <class Value>
-bool is_finite(const Value& value) {
-  return std::all_of(value.begin(), value.end(), [](double x) { return std::isfinite(x); });
-}
 
 Status check_mesh(const FileMesh& mesh, std::size_t nodes) {
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {

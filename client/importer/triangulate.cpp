@@ -16,6 +16,7 @@
 #include <optional>
 
 #include "client/importer/crossings.h"
+#include "client/importer/finite.h"
 #include "client/importer/orientation.h"
 #include "client/importer/point_tree.h"
 
@@ -33,10 +34,6 @@ constexpr double kRounding = 0x1p-21;
 
 // A polygon that touches itself at one place thousands of times would take quadratic time.
 constexpr std::size_t kMostLooks = 1000;  // looks at other corners, for each corner of the polygon
-
-bool is_finite(const Vertex& v) {
-  return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
-}
 
 double largest_coordinate(const std::vector<Vertex>& vertices,
                           std::span<const std::uint32_t> corners) {

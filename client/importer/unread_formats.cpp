@@ -42,7 +42,7 @@ constexpr Format kVrml{"VRML", "convert it to glTF or PLY with MeshLab or Blende
 constexpr Format kX3d{"X3D", "convert it to glTF or PLY with MeshLab or Blender, for example",
                       " x3d x3dv x3db x3dz "};
 constexpr Format kUsd{"USD", kBlender, " usd usda usdc usdz "};
-constexpr Format kStep{"STEP", kFreeCad, " stp step p21 stpz "};
+constexpr Format kStepFile{"STEP", kFreeCad, " stp step p21 stpz "};
 constexpr Format kThreeMf{
     "3MF", "convert it to STL or OBJ with PrusaSlicer or MeshLab, for example", " 3mf "};
 constexpr Format kBlend{"a Blender file", "export glTF from Blender", " blend "};
@@ -134,11 +134,11 @@ constexpr Format kOthers[] = {
     {"a buffer of a glTF file", "import the .gltf file that names it", " bin "}};
 
 constexpr const Format* kByExtension[] = {
-    &kVrml,    &kX3d,    &kUsd,       &kStep,   &kThreeMf, &kBlend,     &kSketchUp, &kDwg,
-    &kDxf,     &kRhino,  &kParasolid, &kIges,   &kLas,     &kPcd,       &kE57,      &kCityJson,
-    &kCityGml, &kIfcXml, &kIfcZip,    &kZae,    &kThreeDs, &kLightWave, &kDirectX,  &kOff,
-    &kOgre,    &kMd2,    &kMd3,       &kMd5,    &kAse,     &kAmf,       &kVtk,      &kGmsh,
-    &kTiles,   &kDraco,  &kZip,       &kPacked, &kImage,   &kPdf,       &kHtml};
+    &kVrml,    &kX3d,    &kUsd,       &kStepFile, &kThreeMf, &kBlend,     &kSketchUp, &kDwg,
+    &kDxf,     &kRhino,  &kParasolid, &kIges,     &kLas,     &kPcd,       &kE57,      &kCityJson,
+    &kCityGml, &kIfcXml, &kIfcZip,    &kZae,      &kThreeDs, &kLightWave, &kDirectX,  &kOff,
+    &kOgre,    &kMd2,    &kMd3,       &kMd5,      &kAse,     &kAmf,       &kVtk,      &kGmsh,
+    &kTiles,   &kDraco,  &kZip,       &kPacked,   &kImage,   &kPdf,       &kHtml};
 
 struct Magic {
   std::string_view bytes;
@@ -306,13 +306,13 @@ Status check_step(std::string_view bytes) {
   if (schema == "IFC2X3" || schema.starts_with("IFC2X3_")) return {};
   const bool is_cut_off = bytes.find("ENDSEC") == std::string_view::npos;  // reported later
   if (is_cut_off) return {};
-  if (schema.empty()) return not_read("a STEP file that states no schema", kStep.remedy);
+  if (schema.empty()) return not_read("a STEP file that states no schema", kStepFile.remedy);
   if (schema.starts_with("IFC") || schema.starts_with("ifc")) {
     return not_read(fmt::format("IFC of the schema {}", schema),
                     "save it as IFC2X3, or convert it to glTF with IfcConvert, for example");
   }
   return not_read(fmt::format("STEP of the schema {}{}", schema, protocol_of(schema)),
-                  kStep.remedy);
+                  kStepFile.remedy);
 }
 
 }  // namespace

@@ -67,7 +67,8 @@ Result<MovingCopy> MovingCopy::add(const Client& client, const std::string& scen
                                .name = kName,
                                .parent_from_local = moved(original.parent_from_local, radius, 0),
                                .mesh_digest = original.mesh_digest,
-                               .mobility = Mobility::kRigid});
+                               .mobility = Mobility::kRigid,
+                               .labels = original.labels});
   const auto applied = client.apply(scene, updates);
   if (!applied) return applied.error();
   return MovingCopy(client, scene, applied->nodes.front(), original.parent_from_local, radius);

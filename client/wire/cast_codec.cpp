@@ -132,6 +132,8 @@ void describe(const std::string& scene, HitFields fields, const CastOptions& opt
   set_own(options, request);
   request.set_root(options.root);
   request.mutable_exclude()->Assign(options.exclude.begin(), options.exclude.end());
+  encode(options.only_labels, *request.mutable_only_labels());
+  encode(options.exclude_labels, *request.mutable_exclude_labels());
   request.set_max_hits(options.max_hits);
   request.set_time_budget_ms(milliseconds_of(options.time_budget));
   request.set_allow_partial(options.allow_partial);

@@ -57,4 +57,13 @@ v1::SideRule encode(SideRule rule) {
   return v1::SIDE_RULE_UNSPECIFIED;
 }
 
+void encode(const std::vector<LabelMatch>& matches,
+            google::protobuf::RepeatedPtrField<v1::LabelMatch>& out) {
+  for (const LabelMatch& match : matches) {
+    v1::LabelMatch& encoded = *out.Add();
+    encoded.set_key(match.key);
+    if (match.value) encoded.set_value(*match.value);
+  }
+}
+
 }  // namespace sightline::client::wire

@@ -16,6 +16,22 @@ constexpr std::size_t kVerticesPerUpdate = 65536;   // 12 bytes each
 
 static_assert(sizeof(Transform) == 96 && sizeof(Vertex) == 12, "columns are the arrays' bytes");
 
+void encode_labels(const std::vector<Label>& labels,
+                   google::protobuf::RepeatedPtrField<v1::Label>& out) {
+  for (const Label& label : labels) {
+    v1::Label& encoded = *out.Add();
+    encoded.set_key(label.key);
+    encoded.set_value(label.value);
+  }
+}
+
+std::vector<Label> decode_labels(const google::protobuf::RepeatedPtrField<v1::Label>& labels) {
+  std::vector<Label> decoded;
+  decoded.reserve(static_cast<std::size_t>(labels.size()));
+  for (const v1::Label& label : labels) decoded.push_back({label.key(), label.value()});
+  return decoded;
+}
+
 struct Encoder {
   const NodeAliases& aliases;
   v1::Update& out;
@@ -30,6 +46,7 @@ struct Encoder {
     node.set_mesh_digest(put.mesh_digest);
     node.set_mobility(encode(put.mobility));
     node.set_mask(put.mask);
+    encode_labels(put.labels, *node.mutable_labels());
   }
   void operator()(const SetTransforms& set) const {
     v1::SetTransforms& transforms = *out.mutable_set_transforms();
@@ -70,6 +87,7 @@ PutNode decode(const v1::PutNode& put) {
   out.mesh_digest = put.mesh_digest();
   out.mobility = client::wire::decode(put.mobility());
   if (put.has_mask()) out.mask = put.mask();
+  out.labels = decode_labels(put.labels());
   return out;
 }
 
@@ -181,6 +199,7 @@ NodeInfo decode(const v1::Node& node) {
   info.mobility = decode(node.mobility());
   info.mask = node.mask();
   info.patched = node.patched();
+  info.labels = decode_labels(node.labels());
   return info;
 }
 
@@ -206,6 +225,11 @@ ServerInfo decode(const v1::GetServerInfoResponse& info) {
   out.max_hits_per_ray = info.max_hits_per_ray();
   out.max_hits_per_reply = info.max_hits_per_reply();
   out.max_exclusions = info.max_exclusions();
+  out.max_labels_per_node = info.max_labels_per_node();
+  out.max_label_key_bytes = info.max_label_key_bytes();
+  out.max_label_value_bytes = info.max_label_value_bytes();
+  out.max_label_bytes_per_node = info.max_label_bytes_per_node();
+  out.max_label_matches = info.max_label_matches();
   out.max_prefetches = info.max_prefetches();
   out.max_updates_per_batch = info.max_updates_per_batch();
   out.max_batch_bytes = info.max_batch_bytes();

@@ -8,6 +8,7 @@
 
 #include "accel/geometry/ray.h"
 #include "scenegraph/model/affine.h"
+#include "scenegraph/model/labels.h"
 #include "scenegraph/model/mesh.h"
 #include "scenegraph/model/persistent_list.h"
 
@@ -30,6 +31,7 @@ struct Node {
   NodeId id = 0;
   NodeId parent = 0;  ///< 0 for a root.
   std::string name;   ///< A name for people, which need not be unique.
+  Labels labels;
   Affine parent_from_local;
   /// Whether no ray can be transformed by parent_from_local (see inverse()): rays meet neither the
   /// node nor what is below it.

@@ -22,6 +22,7 @@ struct PutNode {
   NodeRef node = 0;
   NodeRef parent = 0;  ///< 0 for a root.
   std::string name;
+  Labels labels;
   Affine parent_from_local;
   std::shared_ptr<const Mesh> mesh;
   std::string mesh_digest;

@@ -1,4 +1,4 @@
-// Looks up the hierarchy for the root and the excluded nodes.
+// Looks up the hierarchy for the root, the excluded nodes and labels.
 #include "scenegraph/query/selection.h"
 
 #include <algorithm>
@@ -21,21 +21,23 @@ Status check_nodes(const revision::Snapshot& snapshot, std::span<const model::No
 
 Result<Selection> Selection::make(std::shared_ptr<const revision::Snapshot> snapshot,
                                   model::NodeId root, std::span<const model::NodeId> excluded,
-                                  Shard shard) {
+                                  LabelFilter labels, Shard shard) {
   const std::span<const model::NodeId> roots(&root, root != 0 ? 1 : 0);
   if (const Status known = check_nodes(*snapshot, roots, "root"); !known) return known.error();
   if (const Status known = check_nodes(*snapshot, excluded, "excluded"); !known)
     return known.error();
   std::vector<model::NodeId> sorted(excluded.begin(), excluded.end());
   std::sort(sorted.begin(), sorted.end());
-  return Selection(std::move(snapshot), root, std::move(sorted), std::move(shard));
+  return Selection(std::move(snapshot), root, std::move(sorted), std::move(labels),
+                   std::move(shard));
 }
 
 Selection::Selection(std::shared_ptr<const revision::Snapshot> snapshot, model::NodeId root,
-                     std::vector<model::NodeId> excluded, Shard shard)
+                     std::vector<model::NodeId> excluded, LabelFilter labels, Shard shard)
     : snapshot_(std::move(snapshot)),
       root_(root),
       excluded_(std::move(excluded)),
+      labels_(*snapshot_, std::move(labels)),
       shard_(std::move(shard)),
       trees_(snapshot_->trees()),
       selected_(trees_.size()) {}
@@ -47,8 +49,8 @@ bool Selection::decide(std::size_t index) const {
     return std::binary_search(excluded_.begin(), excluded_.end(), id);
   };
   const auto is_root = [&](model::NodeId id) { return id == root_; };
-  return shard_.has(node) && !any_upward(hierarchy, node, is_excluded) &&
-         (root_ == 0 || any_upward(hierarchy, node, is_root));
+  return shard_.has(node) && (excluded_.empty() || !any_upward(hierarchy, node, is_excluded)) &&
+         (root_ == 0 || any_upward(hierarchy, node, is_root)) && labels_.sees(node);
 }
 
 }  // namespace sightline::scenegraph::query

@@ -1,5 +1,5 @@
-// The part of a scene that a query sees: the nodes under one root, without those under others, and
-// of these the ones in one shard.
+// The part of a scene that a query sees: the nodes under one root, without those under others, of
+// these the ones that their labels let through, and of these the ones in one shard.
 #pragma once
 
 #include <cstddef>
@@ -9,6 +9,7 @@
 
 #include "proto/result.h"
 #include "scenegraph/instances/instance_filter.h"
+#include "scenegraph/query/label_filter.h"
 #include "scenegraph/query/shard_cut.h"
 #include "scenegraph/revision/snapshot.h"
 
@@ -24,12 +25,12 @@ Status check_nodes(const revision::Snapshot& snapshot, std::span<const model::No
 class Selection {
  public:
   /// Selects `root` and all nodes under it (0: the whole scene), without each node of `excluded`
-  /// and all under it; of these, the instances in `shard`, which is a cut of the snapshot. Keeps
-  /// the snapshot, which must be the one that is traced. Errors: kNotFound, naming the id that is
-  /// no node of this revision.
+  /// and all under it; of these, the instances that `labels` sees and that are in `shard`, which
+  /// is a cut of the snapshot. Keeps the snapshot, which must be the one that is traced. Errors:
+  /// kNotFound, naming the id that is no node of this revision.
   static Result<Selection> make(std::shared_ptr<const revision::Snapshot> snapshot,
                                 model::NodeId root, std::span<const model::NodeId> excluded,
-                                Shard shard = {});
+                                LabelFilter labels = {}, Shard shard = {});
 
   /// Whether the query sees an opened instance. `index` is that of Snapshot::trees().
   bool selects(std::size_t index) const {
@@ -38,12 +39,13 @@ class Selection {
 
  private:
   Selection(std::shared_ptr<const revision::Snapshot> snapshot, model::NodeId root,
-            std::vector<model::NodeId> excluded, Shard shard);
+            std::vector<model::NodeId> excluded, LabelFilter labels, Shard shard);
   bool decide(std::size_t index) const;
 
   std::shared_ptr<const revision::Snapshot> snapshot_;
   model::NodeId root_;
   std::vector<model::NodeId> excluded_;  // ascending
+  LabelView labels_;
   Shard shard_;
   instances::OpenTrees trees_;  // of the snapshot
   instances::InstanceFilter selected_;

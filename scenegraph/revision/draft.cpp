@@ -61,6 +61,7 @@ Status Draft::put(const model::PutNode& put) {
                  "a node's name has " + std::to_string(put.name.size()) + " bytes, the limit is " +
                      std::to_string(model::kMaxNodeName));
   }
+  if (Status good = model::check_labels(put.labels); !good) return good;
   const auto named = [&] { return "node \"" + put.name + "\""; };
   if (Status s = check_matrix(put.parent_from_local, named); !s) return s;
   model::NodeId parent = 0;
@@ -92,6 +93,7 @@ Status Draft::put(const model::PutNode& put) {
   model::Node& node = edit(id);
   node.parent = parent;
   node.name = put.name;
+  node.labels = put.labels;
   node.set_transform(put.parent_from_local);
   deformations_.forget(id);
   node.patched = false;

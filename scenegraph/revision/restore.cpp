@@ -28,6 +28,8 @@ class Restorer {
       return corrupt(described(node) + " comes before its parent");
     const int depth = node.parent == 0 ? 1 : depths_.at(node.parent) + 1;
     if (depth > model::kMaxDepth) return corrupt(described(node) + " is too deep");
+    if (const Status good = model::check_labels(node.labels); !good)
+      return corrupt(described(node) + ": " + good.error().message);
     node.set_transform(node.parent_from_local);
     node.children = {};
     node.entered = node.mesh == nullptr ? nullptr : std::make_shared<std::atomic<bool>>(false);

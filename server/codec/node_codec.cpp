@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <memory>
+#include <utility>
+#include <vector>
 
 #include "server/exec/rpc_status.h"
 
@@ -51,10 +54,31 @@ v1::Mobility encode_mobility(scenegraph::model::Mobility mobility) {
   return v1::MOBILITY_STATIC;
 }
 
+scenegraph::model::Labels decode_labels(
+    const google::protobuf::RepeatedPtrField<v1::Label>& labels) {
+  if (labels.empty()) return nullptr;
+  std::vector<scenegraph::model::Label> decoded;
+  decoded.reserve(static_cast<std::size_t>(labels.size()));
+  for (const v1::Label& label : labels) decoded.push_back({label.key(), label.value()});
+  return std::make_shared<const std::vector<scenegraph::model::Label>>(std::move(decoded));
+}
+
+void encode_labels(const scenegraph::model::Labels& labels,
+                   google::protobuf::RepeatedPtrField<v1::Label>& out) {
+  if (labels == nullptr) return;
+  out.Reserve(static_cast<int>(labels->size()));
+  for (const scenegraph::model::Label& label : *labels) {
+    v1::Label& encoded = *out.Add();
+    encoded.set_key(label.key);
+    encoded.set_value(label.value);
+  }
+}
+
 void encode_node(const scenegraph::model::Node& node, v1::Node& out) {
   out.set_id(node.id);
   out.set_parent(node.parent);
   out.set_name(node.name);
+  encode_labels(node.labels, *out.mutable_labels());
   out.mutable_transform()->mutable_matrix()->Assign(node.parent_from_local.m.begin(),
                                                     node.parent_from_local.m.end());
   out.set_mesh_digest(node.mesh_digest);
@@ -68,6 +92,7 @@ Result<scenegraph::model::Node> decode_node(const v1::Node& node) {
   decoded.id = node.id();
   decoded.parent = node.parent();
   decoded.name = node.name();
+  decoded.labels = decode_labels(node.labels());
   const auto transform = decode_transform(node.transform());
   if (!transform) return transform.error();
   decoded.parent_from_local = *transform;

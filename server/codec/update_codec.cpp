@@ -48,6 +48,7 @@ class UpdateDecoder {
     node.node = put.node();
     node.parent = put.parent();
     node.name = put.name();
+    node.labels = decode_labels(put.labels());
     if (put.has_transform()) {
       const auto transform = decode_transform(put.transform());
       if (!transform) return transform.error();
@@ -138,6 +139,7 @@ struct Encoder {
     node.set_node(put.node);
     node.set_parent(put.parent);
     node.set_name(put.name);
+    encode_labels(put.labels, *node.mutable_labels());
     node.mutable_transform()->mutable_matrix()->Assign(put.parent_from_local.m.begin(),
                                                        put.parent_from_local.m.end());
     node.set_mesh_digest(put.mesh_digest);

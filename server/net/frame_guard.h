@@ -32,7 +32,8 @@ class Allowance {
 };
 
 /// Reads the heads of the frames of one connection, and judges its client. A good client stays far
-/// below every limit; docs/decisions/0064-frame-guard.md derives them. Threads: one at a time.
+/// below every limit; docs/decisions/operations.md (HTTP/2 floods) derives them. Threads: one at a
+/// time.
 class FrameGuard {
  public:
   using Clock = Allowance::Clock;

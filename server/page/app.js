@@ -4,6 +4,9 @@ import {Connection} from './connection.js';
 import {Counters} from './counters.js';
 import {number} from './curve.js';
 import {Log} from './log.js';
+import {Nodes} from './nodes.js';
+import {RayForm} from './ray_form.js';
+import {offerThemes} from './theme.js';
 import {Viewer} from './viewer.js';
 
 const kUnauthenticated = 16, kPermissionDenied = 7, kUnavailable = 14;
@@ -45,7 +48,22 @@ const connection = await Connection.open(connected => {
   throw error;
 });
 const viewer = new Viewer(connection, {
-  picture: element('picture'), boxes: element('boxes'), picked: element('picked'), built: element('built'), failed});
+  picture: element('picture'), boxes: element('boxes'), outline: element('outline'), built: element('built'), failed,
+  pressed: (ray, pixel) => rayForm.castPixel(ray, pixel),
+  watched: () => nodes.open(viewer.name),
+  updated: updates => nodes.follow(updates),
+  outlined: pixels => nodes.setPixels(pixels)});
+let point;  // that a ray has hit
+const nodes = new Nodes(connection, {
+  tree: element('tree'), field: element('find'), found: element('found'), note: element('find-note'),
+  state: element('nodes-state'), facts: element('selected')}, id => viewer.select(id, point));
+const rayForm = new RayForm(connection, {
+  form: element('ray-form'), origin: element('origin'), direction: element('direction'), state: element('ray-state'),
+  answer: element('picked')}, hit => {
+  point = hit.position;
+  nodes.select(hit.node ?? 0).catch(failed);
+  point = undefined;
+});
 const cards = new Cards(connection, element('cards'), show);
 const counters = new Counters(connection, element('counters'), element('streams'));
 const log = new Log(connection, element('log'));
@@ -69,6 +87,8 @@ async function route() {
   element('viewer').hidden = !name;
   cards.select(name);
   element('action').textContent = '';
+  nodes.close();
+  rayForm.open(name);
   if (!name) return viewer.close();
   element('scene-name').textContent = name.split('/').pop();
   element('scene-name').focus({preventScroll: true});
@@ -107,6 +127,7 @@ element('token-form').addEventListener('submit', event => {
   }
 });
 addEventListener('hashchange', route);
+offerThemes(element('theme'));
 
 const connected = () => connection.tunnel.socket.readyState === WebSocket.OPEN;
 const unlessAway = act => async () => { if (connected()) await act(); };

@@ -70,6 +70,13 @@ export class Camera {
     return {eye, corner, across: scale(right, 2 * halfWidth), down: scale(up, -2 * kHalfHeight), width, height, samples};
   }
 
+  // The ray through the middle of a pixel, as {origin, direction}; the direction has length 1.
+  ray(x, y, width, height) {
+    const {eye, corner, across, down} = this.pinhole(width, height);
+    const through = add(corner, add(scale(across, (x + 0.5) / width), scale(down, (y + 0.5) / height)));
+    return {origin: eye, direction: scale(through, 1 / length(through))};
+  }
+
   // A function from a point to [x, y, depth] in a picture of that size, depth > 0 in front.
   projection(width, height) {
     const {eye, forward, right, up} = this.frame();

@@ -10,11 +10,11 @@ export function number(value) {
   return `${value.toPrecision(3)}${kUnits[unit]}`;
 }
 
-// Rows of a <dl>.
+// Rows of a <dl>; a value is a text or an element.
 export const describe = facts => Object.entries(facts).flatMap(([name, value]) => {
   const term = document.createElement('dt'), detail = document.createElement('dd');
   term.textContent = name;
-  detail.textContent = value;
+  detail.append(value);
   return [term, detail];
 });
 

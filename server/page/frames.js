@@ -2,18 +2,20 @@
 
 const kRaysPerRequest = 16384;
 
-// What each mode of shade.js needs.
+// What each mode of shade.js needs, and selection.js.
 const kFields = {
   lit: ['HIT_FIELD_NORMAL'],
   normal: ['HIT_FIELD_NORMAL'],
   depth: ['HIT_FIELD_T'],
   node: ['HIT_FIELD_NODE', 'HIT_FIELD_NORMAL'],
   heat: ['HIT_FIELD_WORK'],
+  outline: ['HIT_FIELD_HIT'],
 };
 const kColumns = {
   1: {name: 't', type: Float64Array, width: 1},
   2: {name: 'node', type: BigUint64Array, width: 1},
   5: {name: 'normal', type: Float32Array, width: 3},
+  6: {name: 'hit', type: Uint8Array, width: 1},
   7: {name: 'work', type: Uint32Array, width: 1},
 };
 
@@ -25,14 +27,14 @@ function put(columns, {field, data}, first, rays) {
 }
 
 // samples: of a pixel, see Camera.pinhole(). Resolves to {columns, width, height, perPixel}; the columns have a
-// row for each ray. `build`: a BuildMode.
-export function castFrame(connection, scene, camera, {width, height, samples = [], mode, build}) {
+// row for each ray. `build`: a BuildMode. `root`: the node that alone is met, with those below it; 0: all are.
+export function castFrame(connection, scene, camera, {width, height, samples = [], mode, build, root = 0}) {
   const perPixel = Math.max(1, samples.length / 2);
   const rays = width * height * perPixel;
   const requests = [];
   for (let first = 0; first < rays; first += kRaysPerRequest) {
     requests.push({
-      scene, build, kind: 'QUERY_KIND_CLOSEST', fields: kFields[mode],
+      scene, build, root, kind: mode === 'outline' ? 'QUERY_KIND_ANY' : 'QUERY_KIND_CLOSEST', fields: kFields[mode],
       generator: {
         pinhole: camera.pinhole(width, height, samples), first, count: Math.min(kRaysPerRequest, rays - first),
       },

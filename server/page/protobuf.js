@@ -6,7 +6,7 @@ const text = new TextDecoder();
 const utf8 = new TextEncoder();
 
 const kDouble = 1, kFloat = 2, kInt64 = 3, kUint64 = 4, kInt32 = 5, kBool = 8, kString = 9, kMessage = 11, kBytes = 12,
-  kUint32 = 13, kEnum = 14;
+  kUint32 = 13, kEnum = 14, kSint64 = 18;
 const kVarint = 0, kFixed64 = 1, kLengthDelimited = 2, kFixed32 = 5;
 const kRepeated = 3;
 
@@ -193,6 +193,10 @@ export class Messages {
       case kDouble: reader.at += 8; return reader.view.getFloat64(reader.at - 8, true);
       case kFloat: reader.at += 4; return reader.view.getFloat32(reader.at - 4, true);
       case kBool: return reader.varint() !== 0;
+      case kSint64: {
+        const value = reader.varint();
+        return value % 2 ? -(value + 1) / 2 : value / 2;
+      }
       case kInt64: case kUint64: case kInt32: case kUint32: case kEnum: return reader.varint();
       default: throw new Error(`fields of type ${field.type} are not read`);
     }

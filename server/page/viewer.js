@@ -3,7 +3,7 @@ import {Camera} from './camera.js';
 import {Cells} from './cells.js';
 import {describe, number} from './curve.js';
 import {castFrame} from './frames.js';
-import {pick} from './pick.js';
+import {Selection} from './selection.js';
 import {shade} from './shade.js';
 
 const kFinest = [0.375, 0.125, 0.875, 0.375, 0.125, 0.625, 0.625, 0.875];  // samples of a pixel that rests
@@ -12,12 +12,17 @@ const kSmooth = 45;  // milliseconds that a frame may take
 const kRest = 120;  // milliseconds after which a camera rests
 const kStatsEvery = 1000;
 const kPress = 4;  // pixels that a pointer may move while it presses
+const kWatchAgain = 1000;  // milliseconds after the end of a watch
+const kNotFound = 5, kResourceExhausted = 8, kOutOfRange = 11, kUnavailable = 14;
 
 export class Viewer {
+  // elements: picture, boxes, outline, built; failed(error); pressed(ray, pixel); watched(): a watch of the scene has begun;
+  // updated(updates); outlined(pixels).
   constructor(connection, elements) {
     this.connection = connection;
     this.elements = elements;
     this.cells = new Cells(elements.boxes);
+    this.selection = new Selection(elements.outline);
     this.mode = 'lit';
     this.coarse = kCoarsest;
     this.context = elements.picture.getContext('2d');
@@ -32,24 +37,45 @@ export class Viewer {
     this.close();
     this.name = name;
     this.opened = performance.now();
-    const {picture, picked} = this.elements;
-    picked.replaceChildren(...describe({'Nothing yet': 'press on the picture'}));
+    const {picture} = this.elements;
     const scene = known ?? (await this.connection.scene(name)).scene;
     if (this.name !== name) return;
     this.camera = new Camera(scene, picture.width / picture.height);
     this.coarse = kFirst;
     this.changed();
-    this.watch = this.connection.watch(name, answer => {
-      if (answer.progress || answer.more) return;
-      this.revision = answer.revision.revision;
+    this.#follow(name);
+  }
+
+  // Begins another watch where one ends by what may pass.
+  async #follow(name) {
+    while (this.name === name) {
+      let begun = false;
+      const watch = this.watch = this.connection.watch(name, answer => {
+        if (!begun) this.elements.watched();
+        begun = true;
+        this.elements.updated(answer.updates);
+        if (answer.progress || answer.more) return;
+        this.revision = answer.revision.revision;
+        this.changed();
+      });
+      try {
+        await watch.done;
+      } catch (error) {
+        if (this.watch !== watch) return;
+        this.elements.failed(error);
+        if (![kResourceExhausted, kOutOfRange, kUnavailable].includes(error.code)) return;
+      }
+      await new Promise(done => setTimeout(done, kWatchAgain));
+      if (this.watch !== watch) return;
       this.changed();
-    });
-    this.watch.done.catch(error => this.elements.failed(error));
+    }
   }
 
   close() {
     this.watch?.cancel();
     this.frame?.cancel();
+    this.selection.frame?.cancel();
+    this.selection.clear();
     this.prefetching?.cancel();
     this.name = this.camera = this.watch = this.known = this.revision = undefined;
     this.cells.clear();
@@ -67,10 +93,22 @@ export class Viewer {
   showBoxes(shown) { this.cells.shown = shown; if (this.camera) this.#draw(); }
   showAll() { this.camera?.home(); this.changed(); }
 
+  // node: 0, or one whose place is drawn over the picture; point: (3), or undefined.
+  select(node, point) {
+    this.selection.node = node;
+    this.selection.point = point;
+    this.outlineWanted = true;
+    if (this.camera && !this.running && !document.hidden) this.#run();
+  }
+
   async #run() {
     this.running = true;
     try {
-      while (this.wanted && this.camera && !document.hidden) {
+      while ((this.wanted || this.outlineWanted) && this.camera && !document.hidden) {
+        if (!this.wanted) {
+          await this.#outline(1);
+          continue;
+        }
         this.wanted = false;
         await this.#cast(this.coarse, []);
         for (let finer = this.coarse; finer > 1 && await this.#rests();) await this.#cast(finer = finer >> 1, []);
@@ -81,6 +119,21 @@ export class Viewer {
     } finally {
       this.running = false;
     }
+  }
+
+  // Of the node that is selected, if there is one. A node that is gone has none.
+  async #outline(coarse) {
+    const {name, camera, selection} = this;
+    if (!camera) return;
+    this.outlineWanted = false;
+    if (!selection.node && !selection.point) return selection.erase();
+    const pixels = await selection.draw(this.connection, name, camera, coarse).catch(error => {
+      if (this.camera !== camera) return undefined;
+      selection.erase();
+      if (error.code === kNotFound) return 0;
+      throw error;
+    });
+    if (pixels !== undefined && this.camera === camera) this.elements.outlined(pixels);
   }
 
   // Waits until the camera rests; returns false if a new picture is wanted instead.
@@ -109,6 +162,7 @@ export class Viewer {
       picture.dataset.firstFrame = Math.round(performance.now() - this.opened);
       this.opened = undefined;
     }
+    if (samples.length === 0) await this.#outline(coarse);
     if (coarse === this.coarse) this.#adapt(performance.now() - begun);
   }
 
@@ -156,12 +210,9 @@ export class Viewer {
     }));
   }
 
-  async pickAt(x, y) {
-    const {picture, picked} = this.elements;
-    const hit = await pick(this.connection, this.name, this.camera, x, y, picture.width, picture.height);
-    picked.replaceChildren(...describe(hit.node === undefined ? {'Nothing': `at ${x}, ${y}`} : {
-      'Node': hit.name ? `${hit.node} (${hit.name})` : hit.node,
-      'Primitive': hit.primitive, 't': hit.t, 'Work': `${hit.work} steps and tests`, 'Pixel': `${x}, ${y}`}));
+  #press(x, y) {
+    const {picture: {width, height}} = this.elements;
+    this.elements.pressed(this.camera.ray(x, y, width, height), [x, y]);
   }
 
   async prefetch(tell) {
@@ -201,8 +252,8 @@ export class Viewer {
       if (event.type !== 'pointerup' || moved >= kPress || !this.camera) return;
       const box = picture.getBoundingClientRect();
       const pixel = (at, size, pixels) => Math.min(pixels - 1, Math.max(0, Math.floor(at / size * pixels)));
-      this.#try(this.pickAt(pixel(event.clientX - box.left, box.width, picture.width),
-        pixel(event.clientY - box.top, box.height, picture.height)));
+      this.#press(pixel(event.clientX - box.left, box.width, picture.width),
+        pixel(event.clientY - box.top, box.height, picture.height));
     };
     picture.addEventListener('pointerup', end);
     picture.addEventListener('pointercancel', end);
@@ -237,7 +288,7 @@ export class Viewer {
     const {picture} = this.elements;
     if (!this.camera) return;
     if (event.key === 'Enter') {
-      this.#try(this.pickAt(picture.width >> 1, picture.height >> 1));
+      this.#press(picture.width >> 1, picture.height >> 1);
     } else if (acts[event.key]) {
       acts[event.key]();
       this.changed();
@@ -246,6 +297,4 @@ export class Viewer {
     }
     event.preventDefault();
   }
-
-  #try(promise) { promise.catch(error => this.elements.failed(error)); }
 }

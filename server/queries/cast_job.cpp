@@ -200,7 +200,7 @@ bool CastJob::is_immediate() const {
 /// workers go on.
 Result<CastJob::Progress> CastJob::answer_at_once(v1::CastRaysResponse& reply) {
   const auto begun = Clock::now();
-  if (Status ready = begin(); !ready) return ready.error();
+  if (const Status ready = begin(); !ready) return ready.error();
   reply.clear_first_ray();
   reply.clear_more();
   begin_columns(reply);
@@ -352,7 +352,7 @@ Status CastJob::begin() {
     auto of_query = shard_of(query_, services_, snapshot_);
     if (!of_query) return of_query.error();
     auto selection = scenegraph::query::Selection::make(snapshot_, query_.root, query_.excluded,
-                                                        *std::move(of_query));
+                                                        query_.labels, *std::move(of_query));
     if (!selection) return selection.error();
     selection_.emplace(std::move(*selection));
   }

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "scenegraph/query/shard_cut.h"
 #include "server/exec/rpc_status.h"
@@ -18,6 +20,7 @@ using accel::geometry::Culling;
 using scenegraph::Growth;
 using scenegraph::QueryKind;
 using scenegraph::SideRule;
+using scenegraph::query::LabelMatch;
 
 Result<QueryKind> decode_kind(v1::QueryKind kind) {
   switch (kind) {
@@ -235,6 +238,35 @@ Status decode_nodes(const Request& request, CastQuery& query) {
   return {};
 }
 
+Result<std::vector<LabelMatch>> decode_matches(
+    const google::protobuf::RepeatedPtrField<v1::LabelMatch>& matches, const char* list) {
+  if (matches.size() > kMaxLabelMatches) {
+    return exec::invalid_argument(
+        fmt::format("{} has {} labels, the limit is {}", list, matches.size(), kMaxLabelMatches),
+        "TOO_MANY_LABELS");
+  }
+  std::vector<LabelMatch> decoded;
+  decoded.reserve(static_cast<std::size_t>(matches.size()));
+  for (const v1::LabelMatch& match : matches) {
+    if (const Status good = scenegraph::model::check_label(match.key(), match.value()); !good)
+      return exec::invalid_argument(fmt::format("{}: {}", list, good.error().message),
+                                    good.error().reason);
+    decoded.push_back(
+        {match.key(), match.has_value() ? std::optional(match.value()) : std::nullopt});
+  }
+  return decoded;
+}
+
+template <class Request>
+Status decode_labels(const Request& request, CastQuery& query) {
+  auto only = decode_matches(request.only_labels(), "only_labels");
+  if (!only) return only.error();
+  auto excluded = decode_matches(request.exclude_labels(), "exclude_labels");
+  if (!excluded) return excluded.error();
+  query.labels = {*std::move(only), *std::move(excluded)};
+  return {};
+}
+
 template <class Request>
 Status decode_shard(const Request& request, CastQuery& query) {
   query.allow_partial = request.allow_partial();
@@ -262,6 +294,7 @@ Result<CastQuery> decode_common(const Request& request, Growth policy, FieldsOf 
     return good.error();
   if (const Status good = decode_max_hits(request, query); !good) return good.error();
   if (const Status good = decode_nodes(request, query); !good) return good.error();
+  if (const Status good = decode_labels(request, query); !good) return good.error();
   if (const Status good = decode_shard(request, query); !good) return good.error();
   return query;
 }

@@ -9,6 +9,7 @@
 #include "accel/geometry/facing.h"
 #include "proto/result.h"
 #include "scenegraph/model/node.h"
+#include "scenegraph/query/label_filter.h"
 #include "scenegraph/sides.h"
 #include "scenegraph/trace_options.h"
 #include "sightline/v1/query.pb.h"
@@ -19,6 +20,7 @@ inline constexpr std::uint32_t kDefaultMaxHits = 256;
 /// One message with every field holds this many hits.
 inline constexpr std::uint32_t kMaxMaxHits = 16384;
 inline constexpr int kMaxExclusions = 4096;
+inline constexpr int kMaxLabelMatches = 64;  ///< Of only_labels, and of exclude_labels.
 
 /// A range of the scene: the message Shard, decoded.
 struct ShardOf {
@@ -33,6 +35,7 @@ struct CastQuery {
   accel::geometry::Culling culling = accel::geometry::Culling::kNone;
   scenegraph::model::NodeId root = 0;                 ///< 0: the whole scene.
   std::vector<scenegraph::model::NodeId> excluded{};  ///< Not checked against the scene yet.
+  scenegraph::query::LabelFilter labels{};
   std::uint32_t max_hits = kDefaultMaxHits;
   /// Columns of the answer, in this order; no field twice.
   std::vector<v1::HitField> fields{};
@@ -50,15 +53,15 @@ struct CastQuery {
   bool sides_alone = false;  ///< Whether `fields` has nothing that needs the nearest faces.
   bool crossings = false;    ///< Whether `fields` has crossings.
 
-  bool selects() const { return root != 0 || !excluded.empty() || shard; }
+  bool selects() const { return root != 0 || !excluded.empty() || !labels.sees_all() || shard; }
 };
 
 /// Checks and decodes the query. `policy` is used for an unspecified build mode. Errors:
 /// kInvalidArgument (an unknown kind, field, build mode or culling; a repeated field; a field or
 /// limit that the kind does not have; a number or rule of sides that does not exist, or without
 /// their fields; crossings without a shard; columns for a segment beside fields, or of a kind or
-/// field that does not go there; kMaxMaxHits or kMaxExclusions exceeded; a shard whose
-/// index is not below its count).
+/// field that does not go there; kMaxMaxHits, kMaxExclusions or kMaxLabelMatches exceeded; a label
+/// that no node can have; a shard whose index is not below its count).
 Result<CastQuery> decode_query(const v1::CastRaysRequest& request, scenegraph::Growth policy);
 Result<CastQuery> decode_query(const v1::QueryPointsRequest& request, scenegraph::Growth policy);
 

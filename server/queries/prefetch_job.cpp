@@ -25,6 +25,8 @@ Request query_of(const v1::PrefetchRequest& request) {
   query.set_build(v1::BUILD_MODE_LAZY);
   if (request.roots_size() == 1) query.set_root(request.roots(0));
   *query.mutable_exclude() = request.exclude();
+  *query.mutable_only_labels() = request.only_labels();
+  *query.mutable_exclude_labels() = request.exclude_labels();
   if (request.has_shard()) *query.mutable_shard() = request.shard();
   return query;
 }
@@ -120,7 +122,10 @@ Status PrefetchJob::build() {
   if (!nodes) return nodes.error();
   const auto shard = shard_of(query_, services_, snapshot_);
   if (!shard) return shard.error();
-  std::erase_if(*nodes, [&](const scenegraph::model::Node* node) { return !shard->has(node->id); });
+  const scenegraph::query::LabelView labels(*snapshot_, query_.labels);
+  std::erase_if(*nodes, [&](const scenegraph::model::Node* node) {
+    return !shard->has(node->id) || !labels.sees(node->id);
+  });
   meshes_ = scenegraph::query::meshes_of(*nodes);
   known_.store(true, std::memory_order_release);
   if (Status built = scenegraph::query::build_mesh_trees(*nodes, progress_, &cancelled_); !built)
@@ -142,7 +147,7 @@ Status PrefetchJob::grow() {
     auto shard = shard_of(query_, services_, snapshot_);
     if (!shard) return shard.error();
     auto made = scenegraph::query::Selection::make(snapshot_, query_.root, query_.excluded,
-                                                   *std::move(shard));
+                                                   query_.labels, *std::move(shard));
     if (!made) return made.error();
     selection.emplace(std::move(*made));
   }

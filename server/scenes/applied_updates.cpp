@@ -71,7 +71,7 @@ class ReplacedBytes {
   void operator()(const PutNode& put) {
     if (const Node* node = before_.find(static_cast<NodeId>(put.node))) {
       add(*node);
-      names_ += node->name.size() + node->mesh_digest.size();
+      names_ += bytes_of_texts(*node);
     }
   }
   void operator()(const SetTransforms& set) {
@@ -87,7 +87,7 @@ class ReplacedBytes {
       below.pop_back();
       if (node == nullptr) continue;  // put by this batch
       add(*node);
-      names_ += node->name.size() + node->mesh_digest.size();
+      names_ += bytes_of_texts(*node);
       below.insert(below.end(), node->children.begin(), node->children.end());
     }
   }
@@ -102,7 +102,7 @@ class ReplacedBytes {
     if (const Node* node = before_.find(static_cast<NodeId>(ref))) add(*node);
   }
   void add(const Node& node) {
-    bytes_ += kBytesPerNode;
+    bytes_ += kBytesPerNode + scenegraph::model::bytes_of_labels(node.labels);
     add_above(node);
     // The blob store counts meshes that are not patched.
     if (!node.patched || !meshes_.insert(node.mesh.get()).second) return;
@@ -206,8 +206,7 @@ std::uint64_t bytes_of_scene(std::uint64_t nodes, std::uint64_t names) {
 std::uint64_t bytes_of_names(const std::vector<scenegraph::model::Update>& updates) {
   std::uint64_t bytes = 0;
   for (const scenegraph::model::Update& update : updates) {
-    if (const auto* put = std::get_if<PutNode>(&update))
-      bytes += put->name.size() + put->mesh_digest.size();
+    if (const auto* put = std::get_if<PutNode>(&update)) bytes += bytes_of_texts(*put);
   }
   return bytes;
 }

@@ -40,7 +40,7 @@ Result<Needed> needed_by(const scenegraph::revision::Snapshot& before,
 struct Replaced {
   std::uint64_t bytes = 0;
   std::uint64_t meshes = 0;  ///< Bytes of these that are patched meshes and their trees.
-  std::uint64_t names = 0;   ///< Bytes of names and digests of nodes put again or deleted.
+  std::uint64_t names = 0;   ///< Bytes of names, digests and labels of nodes put again or deleted.
 };
 Replaced bytes_replaced(const scenegraph::revision::Snapshot& before,
                         const std::vector<scenegraph::model::Update>& updates);
@@ -51,11 +51,18 @@ std::uint64_t bytes_of_replaced_trees(const scenegraph::revision::Snapshot& befo
 
 /// About the bytes of `nodes` nodes that a revision alone has.
 std::uint64_t bytes_of_replaced(std::uint64_t nodes);
-/// About the bytes of `nodes` nodes without their names and digests.
+/// About the bytes of `nodes` nodes without their names, digests and labels.
 std::uint64_t bytes_of_nodes(std::uint64_t nodes);
-/// About the bytes of a scene of `nodes` nodes whose names and digests have `names` bytes.
+/// About the bytes of a scene of `nodes` nodes whose names, digests and labels have `names`
+/// bytes.
 std::uint64_t bytes_of_scene(std::uint64_t nodes, std::uint64_t names);
-/// Bytes of the names and digests that the updates put.
+/// Bytes of the name, the digest and the labels of a node or of a PutNode.
+template <class Named>
+std::uint64_t bytes_of_texts(const Named& node) {
+  return node.name.size() + node.mesh_digest.size() +
+         scenegraph::model::bytes_of_labels(node.labels);
+}
+/// Bytes of the names, digests and labels that the updates put.
 std::uint64_t bytes_of_names(const std::vector<scenegraph::model::Update>& updates);
 
 /// About the bytes of the instances that rays have opened, and of the tree over them.

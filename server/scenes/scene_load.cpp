@@ -18,8 +18,7 @@ class StoredScene::Loader final : public JournalReader {
 
   Status base(scenegraph::SceneContent content) override {
     std::uint64_t names = 0;
-    for (const scenegraph::model::Node& node : content.nodes)
-      names += node.name.size() + node.mesh_digest.size();
+    for (const scenegraph::model::Node& node : content.nodes) names += bytes_of_texts(node);
     const std::size_t nodes = content.nodes.size();
     const std::uint64_t revision = content.revision;
     auto charge =

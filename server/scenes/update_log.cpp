@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/codec/update_parts.h"
+#include "server/scenes/applied_updates.h"
 
 namespace sightline::server::scenes {
 namespace {
@@ -15,7 +16,7 @@ using scenegraph::model::PatchVertices;
 using scenegraph::model::PutNode;
 using scenegraph::model::SetTransforms;
 
-std::uint64_t held_by(const PutNode& put) { return put.name.size() + put.mesh_digest.size(); }
+std::uint64_t held_by(const PutNode& put) { return bytes_of_texts(put); }
 std::uint64_t held_by(const SetTransforms& set) {
   return set.nodes.size() * sizeof(scenegraph::model::NodeRef) +
          set.parent_from_local.size() * sizeof(scenegraph::model::Affine);

@@ -140,6 +140,8 @@ Request template_of(const Request& asked, QueryKind kind, const std::vector<v1::
   request.set_build(asked.build());
   request.set_root(asked.root());
   *request.mutable_exclude() = asked.exclude();
+  *request.mutable_only_labels() = asked.only_labels();
+  *request.mutable_exclude_labels() = asked.exclude_labels();
   request.set_max_hits(asked.max_hits());
   return request;
 }

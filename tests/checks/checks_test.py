@@ -12,8 +12,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import dependants
 import layers
 import links
-import map_page
 import namespaces
+import ray_path
 import sources
 import words
 
@@ -243,11 +243,18 @@ class Links(Tree):
         self.assert_found(links.check, "docs/a.md", "\n[c](c.md) and `accel/kdtree/gone.h`\n",
                           "a.md:2: links to c.md", "names accel/kdtree/gone.h")
 
+    def test_sections(self):
+        self.write("docs/b.md", "# B\n## One, `two`\n## One, two\n```\n# Code\n```\n")
+        self.assert_clean(links.check, "docs/a.md", "## Here\n[b](b.md#one-two), [b](b.md#one-two-1), [a](#here)\n")
+        for link in ("b.md#one", "b.md#code", "b.md#one-two-2", "#there"):
+            with self.subTest(link=link):
+                self.assert_found(links.check, "docs/a.md", f"## Here\n[b]({link})\n", "a section that is gone")
 
-class Map(Tree):
-    PAGE = """# Map
+
+class RayPath(Tree):
+    PAGE = """# The life of a ray batch
 `accel/kdtree`, `accel/lazy/` and `server`
-## The walk of a ray
+## Rays in
 `server/main.cpp`, `accel/kdtree/slot.{h,cpp}`, `accel/lazy/a.h`, slot.h
 ## An update
 `server/main.cpp`, `accel/kdtree/slot.{h,cpp}`, `accel/lazy/a.h`, slot.h
@@ -260,17 +267,17 @@ class Map(Tree):
         for file in ("accel/kdtree/slot.h", "accel/kdtree/slot.cpp", "accel/lazy/a.h", "server/main.cpp"):
             self.write(file, "")
 
-    def test_the_map(self):
-        self.assert_clean(map_page.check, "docs/map.md", self.PAGE)
+    def test_folders_and_walks(self):
+        self.assert_clean(ray_path.check, "docs/ray_path.md", self.PAGE)
         for old, new, *wanted in [
-            ("accel/lazy/a.h", "accel/lazy/b.h", "map.md:4: accel/lazy/b.h", "map.md:6: accel/lazy/b.h"),
+            ("accel/lazy/a.h", "accel/lazy/b.h", "ray_path.md:4: accel/lazy/b.h", "ray_path.md:6: accel/lazy/b.h"),
             ("`accel/lazy/` ", "", "accel/lazy is not named"),
             ("# A build", "# A tree", "no walk of 'build'"),
             ("`accel/lazy/a.h`, slot.h\n## A build", "slot.h\n## A build", "no walk of 'update'"),
         ]:
             with self.subTest(new=new):
-                self.assert_found(map_page.check, "docs/map.md", self.PAGE.replace(old, new), *wanted)
-        self.assertEqual(map_page.check(self.root), ["docs/map.md does not exist"])
+                self.assert_found(ray_path.check, "docs/ray_path.md", self.PAGE.replace(old, new), *wanted)
+        self.assertEqual(ray_path.check(self.root), ["docs/ray_path.md does not exist"])
 
 
 class Run(Tree):

@@ -9,6 +9,7 @@ import contextlib
 import pathlib
 import shlex
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -16,9 +17,7 @@ import time
 
 from operator_files import SKIPPED, needs
 from own_credentials import make_credentials, shell
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "planning"))
-from own_cluster import CannotRun, OwnCluster, free_port, listens, wait_for  # noqa: E402
+from own_postgres import CannotRun, own_postgres, wait_for
 
 QUADS = 12
 SERVERS = 3
@@ -35,6 +34,17 @@ def row_of_quads():
 
 
 RAYS = "".join(f"{x / 5},0.3,10,0,0,-1\n" for x in range(15 * QUADS))
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+def listens(port):
+    with socket.socket() as probe:
+        return probe.connect_ex(("127.0.0.1", port)) == 0
 
 
 @contextlib.contextmanager
@@ -67,10 +77,10 @@ def tour(folder, sightlined, sightline):
     (folder / "quads.obj").write_text(row_of_quads())
     ports = [free_port() for _ in range(SERVERS + 1)]
     peers = ",".join(f"127.0.0.1:{port}" for port in ports[:SERVERS])
-    with OwnCluster(sightlined, tempfile.mkdtemp(dir=folder)) as cluster, contextlib.ExitStack() as servers:
-        shards = [servers.enter_context(server(sightlined, folder, cluster.store, port, "--shard-peers", peers, "--shard-ca", "ca.pem"))
+    with own_postgres(folder) as store, contextlib.ExitStack() as servers:
+        shards = [servers.enter_context(server(sightlined, folder, store, port, "--shard-peers", peers, "--shard-ca", "ca.pem"))
                   for port in ports[:SERVERS]]
-        servers.enter_context(server(sightlined, folder, cluster.store, ports[SERVERS]))
+        servers.enter_context(server(sightlined, folder, store, ports[SERVERS]))
 
         def client(port, token="reader"):
             return f"{shlex.quote(sightline)} --endpoint 127.0.0.1:{port} --tls-ca ca.pem" + (f" --token-file {token}.token" if token else "")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The commands of docs/certificates.md make certificates with which a server and a client talk.
+"""The commands of docs/security.md make certificates with which a server and a client talk.
 
 certificates_test.py SIGHTLINED SIGHTLINE
 """
@@ -12,7 +12,7 @@ import subprocess
 import sys
 import tempfile
 
-PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs/certificates.md"
+PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs/security.md"
 LISTEN, ENDPOINT = "--listen 0.0.0.0:50151", "localhost:50151"
 
 

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Makes the mistakes of docs/troubleshooting.md, and compares what is printed with what the page shows.
+"""Makes the mistakes of docs/troubleshooting.md and mistakes.md, and compares what is printed with what they show.
 
-troubleshooting_test.py SIGHTLINED SIGHTLINE [--update]    --update: write what is printed into the page
+troubleshooting_test.py SIGHTLINED SIGHTLINE [--update]    --update: write what is printed into the pages
 """
 
 import contextlib
@@ -14,8 +14,9 @@ import subprocess
 import sys
 import tempfile
 
-PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "troubleshooting.md"
-FEWEST = 25
+HERE = pathlib.Path(__file__).resolve().parent
+PAGES = (HERE.parents[1] / "docs" / "troubleshooting.md", HERE / "mistakes.md")
+FEWEST = 60
 # Rows of four cells: the mistake, the command, its exit code, what is printed.
 ROW = re.compile(r"^\| ([^|]+) \| `((?:[^`|]|\\\|)+)` \| (\d*) \| (.*) \|$", re.MULTILINE)
 SHOWN_ENDPOINT, SHOWN_ADMIN = "127.0.0.1:50151", "127.0.0.1:9151"
@@ -115,8 +116,8 @@ def main():
     os.environ["PATH"] = os.pathsep.join([*map(str, programs), os.environ["PATH"]])
     for variable in ("SIGHTLINE_TOKEN", "SIGHTLINE_ENDPOINT"):
         os.environ.pop(variable, None)
-    page = PAGE.read_text()
-    wrong = 0
+    texts = {page: page.read_text() for page in PAGES}
+    count, wrong = 0, 0
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name).resolve()
         make_files(folder)
@@ -125,8 +126,8 @@ def main():
             os.environ["SIGHTLINE_ENDPOINT"] = endpoint
             subprocess.run(["sightline", "scene", "import", "engine", "engine.obj", "--quiet"], cwd=folder, check=True,
                            stdout=subprocess.DEVNULL)
-            rows = ROW.findall(page)
-            for mistake, command, exit_code, cell in rows:
+            for page, (mistake, command, exit_code, cell) in [(page, row) for page in PAGES for row in ROW.findall(texts[page])]:
+                count += 1
                 words = shell(mistake)
                 if words is None:
                     continue
@@ -136,12 +137,13 @@ def main():
                 if row != new:
                     wrong += 1
                     print(f"- {row}\n+ {new}\n")
-                    page = page.replace(row, new)
+                    texts[page] = texts[page].replace(row, new)
     if update:
-        PAGE.write_text(page)
+        for page, text in texts.items():
+            page.write_text(text)
         return
-    print(f"{len(rows)} mistakes, {wrong} print something else than the page says")
-    sys.exit(1 if wrong or len(rows) < FEWEST else 0)
+    print(f"{count} mistakes, {wrong} print something else than the pages say")
+    sys.exit(1 if wrong or count < FEWEST else 0)
 
 
 if __name__ == "__main__":

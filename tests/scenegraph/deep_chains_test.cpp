@@ -13,6 +13,7 @@
 #include "tests/support/all_instances.h"
 #include "tests/support/kinds.h"
 #include "tests/support/random.h"
+#include "tests/support/rounds.h"
 
 namespace sightline::scenegraph {
 namespace {
@@ -58,6 +59,8 @@ std::vector<model::Update> chain(Links links, int depth, int step, model::Mobili
   return updates;
 }
 
+constexpr std::size_t kChainRays = tests::rounds(60);
+
 class DeepChains : public testing::TestWithParam<Links> {};
 
 TEST_P(DeepChains, EqualTheOracleStaticAndMoving) {
@@ -67,7 +70,7 @@ TEST_P(DeepChains, EqualTheOracleStaticAndMoving) {
       const auto applied = scene.apply(chain(GetParam(), model::kMaxDepth, step, mobility));
       ASSERT_TRUE(applied) << applied.error().message;
       EXPECT_EQ(scene.snapshot()->hierarchy().summary(0).height, model::kMaxDepth + 1u);
-      std::uint64_t hits = tests::expect_oracle(scene, 60, 1);
+      std::uint64_t hits = tests::expect_oracle(scene, kChainRays, 1);
       Random random(8);
       for (int round = 0; round < 2; ++round) {
         model::SetTransforms moves;
@@ -77,9 +80,9 @@ TEST_P(DeepChains, EqualTheOracleStaticAndMoving) {
           moves.parent_from_local.push_back(link(random, Links::kTurned, at));
         }
         ASSERT_TRUE(scene.apply({moves}));
-        hits += tests::expect_oracle(scene, 60, random.next());
+        hits += tests::expect_oracle(scene, kChainRays, random.next());
       }
-      EXPECT_GT(hits, 50u);
+      EXPECT_GT(hits, kChainRays);
     }
   }
 }

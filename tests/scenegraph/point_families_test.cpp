@@ -11,6 +11,7 @@
 #include "tests/support/brute_nearest.h"
 #include "tests/support/flush_denormals.h"
 #include "tests/support/point_ways.h"
+#include "tests/support/rounds.h"
 
 namespace sightline::tests {
 
@@ -20,7 +21,7 @@ namespace {
 
 using scenegraph::QueryKind;
 
-constexpr std::size_t kPoints = 150;
+constexpr std::size_t kPoints = rounds(150);
 
 CheckedPoints checked(const PointFamily& family, std::uint64_t seed) {
   const FreshScene scene(family.make());

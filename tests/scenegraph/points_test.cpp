@@ -20,6 +20,7 @@
 #include "tests/support/hard_points.h"
 #include "tests/support/kinds.h"
 #include "tests/support/random.h"
+#include "tests/support/rounds.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::scenegraph {
@@ -100,8 +101,9 @@ TEST_P(PointsInFrames, EqualTheOracleInEveryStateOfTheTrees) {
     const BruteNearest oracle(snapshot);
     TraceOptions options = options_of_points();
     options.growth = growth;
-    expect_nearest(*snapshot, oracle, tests::hard_points(*snapshot, 11, 400), options);
-    expect_kinds(*snapshot, oracle, tests::hard_points(*snapshot, 12, 40), options);
+    expect_nearest(*snapshot, oracle, tests::hard_points(*snapshot, 11, tests::rounds(400)),
+                   options);
+    expect_kinds(*snapshot, oracle, tests::hard_points(*snapshot, 12, tests::rounds(40)), options);
   }
 }
 
@@ -119,9 +121,10 @@ TEST_P(PointsInFrames, EqualTheOracleWhenNodesHaveMoved) {
     ASSERT_TRUE(scene.apply({moves}));
     const auto snapshot = scene.snapshot();
     const BruteNearest oracle(snapshot);
-    expect_nearest(*snapshot, oracle, tests::hard_points(*snapshot, random.next(), 200),
+    expect_nearest(*snapshot, oracle,
+                   tests::hard_points(*snapshot, random.next(), tests::rounds(200)),
                    options_of_points());
-    expect_kinds(*snapshot, oracle, tests::hard_points(*snapshot, random.next(), 20),
+    expect_kinds(*snapshot, oracle, tests::hard_points(*snapshot, random.next(), tests::rounds(20)),
                  options_of_points());
   }
 }
@@ -197,8 +200,8 @@ TEST_P(PointsOnTarget, EqualTheOracle) {
     ASSERT_TRUE(scene.apply({tests::put_node(-1, 0, tests::mesh_of(mesh), {})}));
     const auto snapshot = scene.snapshot();
     ASSERT_TRUE(query::build_all(*snapshot, nullptr, nullptr));
-    expect_nearest(*snapshot, BruteNearest(snapshot), tests::hard_points(*snapshot, 31, 400),
-                   options_of_points());
+    expect_nearest(*snapshot, BruteNearest(snapshot),
+                   tests::hard_points(*snapshot, 31, tests::rounds(400)), options_of_points());
   }
 }
 
@@ -223,8 +226,8 @@ TEST(Points, MeetFacesWithoutArea) {
     const auto snapshot = scene.snapshot();
     TraceOptions options = options_of_points();
     options.growth = growth;
-    expect_nearest(*snapshot, BruteNearest(snapshot), tests::hard_points(*snapshot, 41, 300),
-                   options);
+    expect_nearest(*snapshot, BruteNearest(snapshot),
+                   tests::hard_points(*snapshot, 41, tests::rounds(300)), options);
   }
 }
 

@@ -67,6 +67,28 @@ TEST(Scene, AcceptsAHierarchyInOneBatch) {
   EXPECT_EQ(snapshot->find(4), nullptr);
 }
 
+TEST(Scene, LabelsBelongToARevisionAndAPutReplacesThem) {
+  Scene scene;
+  model::PutNode labelled = put(-1, 0, "window");
+  labelled.labels =
+      std::make_shared<const std::vector<model::Label>>(std::vector<model::Label>{{"a", "1"}});
+  ASSERT_TRUE(scene.apply({labelled}));
+  const auto before = scene.snapshot();
+  ASSERT_TRUE(scene.apply({model::SetTransforms{{1}, {shifted(1)}}}));
+  EXPECT_EQ(scene.snapshot()->find(1)->labels, before->find(1)->labels) << "a move shares them";
+  ASSERT_TRUE(scene.apply({put(1, 0, "window")}));
+  EXPECT_EQ(scene.snapshot()->find(1)->labels, nullptr);
+  EXPECT_EQ((*before->find(1)->labels)[0].value, "1");
+}
+
+TEST(Scene, RefusesLabelsBeyondTheirLimits) {
+  Scene scene;
+  model::PutNode labelled = put(-1, 0, "window");
+  labelled.labels = std::make_shared<const std::vector<model::Label>>(
+      std::vector<model::Label>{{"a", "1"}, {"a", "2"}});
+  expect_refused(scene, {labelled}, Code::kInvalidArgument, "LABEL_TWICE");
+}
+
 TEST(Scene, SnapshotsAreImmutableAndShareUnchangedParts) {
   Scene scene;
   ASSERT_TRUE(scene.apply({put(-1, 0, "a"), put(-2, 0, "b")}));

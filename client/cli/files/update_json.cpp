@@ -71,6 +71,23 @@ class Fields {
     return found == kMobilities.end() ? Mobility::kStatic : found->second;
   }
 
+  // Reads an object of strings.
+  std::vector<Label> labels(const char* key) {
+    std::vector<Label> out;
+    const Json* value = find(key, false);
+    if (value == nullptr) return out;
+    if (!value->is_object()) {
+      complain(key, "is no object");
+      return out;
+    }
+    out.reserve(value->size());
+    for (const auto& [name, text] : value->items()) {
+      if (!text.is_string()) complain(key, fmt::format("has at '{}' what is no string", name));
+      out.push_back({name, text.is_string() ? text.get<std::string>() : std::string()});
+    }
+    return out;
+  }
+
   NodeRefs nodes(const char* key) {
     NodeRefs out;
     for (const Json& each : list(key)) {
@@ -177,8 +194,9 @@ class Fields {
 };
 
 Result<Update> put_node(const Json& object) {
-  Fields fields(object, "put_node",
-                {"node", "parent", "name", "transform", "mesh_digest", "mobility", "mask"});
+  Fields fields(
+      object, "put_node",
+      {"node", "parent", "name", "transform", "mesh_digest", "mobility", "mask", "labels"});
   PutNode put;
   put.node = fields.integer<std::int64_t>("node", kAnyNode);
   put.parent = fields.integer<std::int64_t>("parent", kAnyNode, 0);
@@ -187,6 +205,7 @@ Result<Update> put_node(const Json& object) {
   put.mesh_digest = fields.text("mesh_digest");
   put.mobility = fields.mobility("mobility");
   put.mask = fields.integer<std::uint32_t>("mask", 0, 0xffffffff);
+  put.labels = fields.labels("labels");
   return fields.finish(std::move(put));
 }
 
@@ -225,6 +244,7 @@ struct ToJson {
     if (!put.mesh_digest.empty()) node["mesh_digest"] = put.mesh_digest;
     node["mobility"] = name_of(put.mobility);
     if (put.mask != 0xffffffff) node["mask"] = put.mask;
+    if (!put.labels.empty()) node["labels"] = json_of(put.labels);
     return {{"put_node", node}};
   }
   Json operator()(const SetTransforms& set) const {
@@ -271,6 +291,12 @@ Result<Update> parse_update(std::string_view text) {
   if (key == "patch_vertices") return patch_vertices(object);
   return local_error(
       fmt::format("{} is not one of put_node, set_transforms, delete_node, patch_vertices", key));
+}
+
+Json json_of(const std::vector<Label>& labels) {
+  Json object = Json::object();
+  for (const Label& label : labels) object[label.key] = label.value;
+  return object;
 }
 
 Json json_of(const Update& update, bool positions) { return std::visit(ToJson{positions}, update); }

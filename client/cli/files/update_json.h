@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "client/cli/session.h"
 #include "client/update.h"
@@ -15,6 +16,9 @@ Result<Update> parse_update(std::string_view text);
 
 /// "static", "rigid" or "deforming".
 const char* name_of(Mobility mobility);
+
+/// An object of the labels' values by their keys.
+Json json_of(const std::vector<Label>& labels);
 
 /// The inverse of parse_update. Without `positions`, it writes only the number of patched vertices.
 Json json_of(const Update& update, bool positions);

@@ -7,6 +7,40 @@
 #include "client/cli/nodes.h"
 
 namespace sightline::client::cli::verbs {
+namespace {
+
+CLI::Validator label_word() {
+  return {[](std::string& word) -> std::string {
+            return word.empty() || word.front() == '=' ? "'" + word + "' is no KEY or KEY=VALUE"
+                                                       : "";
+          },
+          ""};
+}
+
+}  // namespace
+
+void add_label_flags(CLI::App& verb, LabelArguments& labels) {
+  verb.add_option("--only-label", labels.only,
+                  "Only nodes that have one of these labels, of any value if none is given, and "
+                  "those under them")
+      ->check(label_word())
+      ->type_name("KEY[=VALUE] ...");
+  verb.add_option("--exclude-label", labels.exclude,
+                  "Not nodes that have one of these labels, nor those under them")
+      ->check(label_word())
+      ->type_name("KEY[=VALUE] ...");
+}
+
+std::vector<LabelMatch> label_matches(const std::vector<std::string>& words) {
+  std::vector<LabelMatch> matches;
+  matches.reserve(words.size());
+  for (const std::string& word : words) {
+    const std::size_t sign = word.find('=');
+    LabelMatch& match = matches.emplace_back(LabelMatch{.key = word.substr(0, sign)});
+    if (sign != std::string::npos) match.value = word.substr(sign + 1);
+  }
+  return matches;
+}
 
 void add_node_flags(CLI::App& verb, files::RowKind asked, NodeArguments& nodes) {
   const bool has_rays = asked == files::RowKind::kRays;
@@ -20,6 +54,7 @@ void add_node_flags(CLI::App& verb, files::RowKind asked, NodeArguments& nodes) 
                            : "These nodes and those under them do not")
       ->check(node_word())
       ->type_name("NODE ...");
+  add_label_flags(verb, nodes.labels);
 }
 
 Status set_nodes(const Client& client, const std::string& scene, const NodeArguments& nodes,
@@ -30,6 +65,8 @@ Status set_nodes(const Client& client, const std::string& scene, const NodeArgum
   if (!excluded) return excluded.error();
   options.root = *root;
   options.exclude = *std::move(excluded);
+  options.only_labels = label_matches(nodes.labels.only);
+  options.exclude_labels = label_matches(nodes.labels.exclude);
   return {};
 }
 

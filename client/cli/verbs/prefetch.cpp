@@ -18,6 +18,7 @@
 #include "client/cli/picture/camera.h"
 #include "client/cli/terminal.h"
 #include "client/cli/verbs/camera_flags.h"
+#include "client/cli/verbs/node_flags.h"
 #include "client/cli/verbs/verbs.h"
 
 namespace sightline::client::cli::verbs {
@@ -27,6 +28,7 @@ struct PrefetchArguments {
   std::string scene;
   std::vector<std::string> under;
   std::vector<std::string> exclude;
+  LabelArguments labels;
   std::string rays, points;
   std::string kind;
   bool view = false;
@@ -60,6 +62,8 @@ Status resolve(const Client& client, const PrefetchArguments& arguments, Prefetc
   if (!excluded) return excluded.error();
   options.roots = *std::move(roots);
   options.exclude = *std::move(excluded);
+  options.only_labels = label_matches(arguments.labels.only);
+  options.exclude_labels = label_matches(arguments.labels.exclude);
   return {};
 }
 
@@ -196,6 +200,7 @@ void add_prefetch_verb(CLI::App& program, Session& session) {
   verb.add_option("--exclude", arguments->exclude, "Not of these nodes and those under them")
       ->check(node_word())
       ->type_name("NODE ...");
+  add_label_flags(verb, arguments->labels);
   verb.add_option("--rays", arguments->rays,
                   "Only what casting these rays would build; a file as cast takes it")
       ->type_name("FILE");

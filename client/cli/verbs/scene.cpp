@@ -118,7 +118,8 @@ Json json_of(const NodeInfo& node) {
           {"mobility", files::name_of(node.mobility)},
           {"mask", node.mask},
           {"mesh_digest", node.mesh_digest},
-          {"patched", node.patched}};
+          {"patched", node.patched},
+          {"labels", files::json_of(node.labels)}};
 }
 
 ExitCode show_nodes(const Session& session, const std::string& name) {

@@ -28,6 +28,7 @@ from .errors import (Aborted, AlreadyExists, Cancelled, DataLoss, DeadlineExceed
                      InvalidArgument, NotFound, OutOfRange, PermissionDenied, ResourceExhausted, SightlineError,
                      Unauthenticated, Unavailable, Unimplemented, Unknown)
 from .hits import Hits
+from .label import Label
 from .log_lines import LogLines
 from .nearest import Nearest
 from .node_info import NodeInfo
@@ -53,11 +54,11 @@ from .visibility_pairs import VisibilityPairs
 
 __all__ = [
     "Aborted", "AllHits", "AllNearest", "AlreadyExists", "Applied", "BackupScene", "Batch", "Cancelled", "Change",
-    "Client", "DataLoss", "DeadlineExceeded", "DeferredCells", "FailedPrecondition", "FileWarning", "Hits",
-    "Internal", "InvalidArgument", "LogLines", "Nearest", "Node", "NodeInfo", "NodeMesh", "NotFound", "OutOfRange",
+    "Client", "DataLoss", "DeadlineExceeded", "DeferredCells", "FailedPrecondition", "FileWarning", "Hits", "Internal",
+    "InvalidArgument", "Label", "LogLines", "Nearest", "Node", "NodeInfo", "NodeMesh", "NotFound", "OutOfRange",
     "PermissionDenied", "Picture", "Pinhole", "PointGrid", "Points", "PrecisionWarning", "PrefetchReport", "Rays",
     "ResourceExhausted", "RestoredScene", "Scene", "SceneInfo", "SceneStats", "Server", "ServerInfo", "SharedMemory",
-    "SightlineError", "SphericalScan", "StorageLimits", "Transport", "Unauthenticated", "Unavailable",
-    "Unimplemented", "Unknown", "UpdateStream", "VisibilityPairs", "__version__", "as_points", "as_rays", "connect",
-    "errors", "serve", "updates",
+    "SightlineError", "SphericalScan", "StorageLimits", "Transport", "Unauthenticated", "Unavailable", "Unimplemented",
+    "Unknown", "UpdateStream", "VisibilityPairs", "__version__", "as_points", "as_rays", "connect", "errors", "serve",
+    "updates",
 ]

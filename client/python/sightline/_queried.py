@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Union
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Tuple, Union
 
 from . import _out, updates
 from ._caster import Answered, Caster
@@ -15,19 +15,23 @@ from ._query import Query
 from ._session import Session
 from ._types import Array, Progress
 from .batch import Batch, request_of
+from .label import Label
 from .node_info import NodeInfo
 from .nodes import Node
 
 AnyNode = Union[Node, NodeInfo, int, str]  # one of these, its id, or its name or a pattern
-Nodes = Union[AnyNode, Iterable[AnyNode]]
+Nodes = Union[AnyNode, Label, Iterable[Union[AnyNode, Label]]]
 Changes = Union[Batch, Iterable[updates.Update], None]
 
 
 class Chosen:
-    """The nodes that a query is about, as ids. at_least: a token, if the answer must not be older than their names."""
+    """The nodes that a query is about, as ids or by labels. at_least: a token, if the answer must not be older than
+    their names."""
 
-    def __init__(self, under: "List[int]", exclude: "List[int]", at_least: Optional[str]):
+    def __init__(self, under: "List[int]", exclude: "List[int]", at_least: Optional[str],
+                 only_labels: "List[Label]", exclude_labels: "List[Label]"):
         self.under, self.exclude, self.at_least = under, exclude, at_least
+        self.only_labels, self.exclude_labels = only_labels, exclude_labels
 
 
 class Queried:
@@ -50,11 +54,14 @@ class Queried:
 
     def _choose(self, under: Nodes, exclude: Nodes, revision: Optional[int] = None, at_least: Optional[str] = None,
                 has_updates: bool = False) -> Chosen:
-        """Nodes by their ids. Names are looked up at the newest revision. Errors: NotFound, ValueError, by what is
-        wrong."""
-        roots, others = as_list(under), as_list(exclude)
+        """Nodes by their ids, and labels. Names are looked up at the newest revision. Errors: NotFound, ValueError,
+        Unimplemented, by what is wrong."""
+        roots, only_labels = _parted(under)
+        others, exclude_labels = _parted(exclude)
+        if only_labels or exclude_labels:
+            self._session.check_feature("labels")
         if not any(isinstance(node, str) for node in (*roots, *others)):
-            return Chosen(updates.ids(roots), updates.ids(others), at_least)
+            return Chosen(updates.ids(roots), updates.ids(others), at_least, only_labels, exclude_labels)
         table = self._table()
         if revision not in (None, table.revision):
             raise ValueError(f"names of nodes are those of the newest revision, {table.revision}: with "
@@ -65,7 +72,7 @@ class Queried:
             left_out += table.outermost(table.find_all(node)) if isinstance(node, str) else updates.ids([node])
         if at_least is None and revision is None and not has_updates:
             at_least = table.token
-        return Chosen(chosen, list(dict.fromkeys(left_out)), at_least)
+        return Chosen(chosen, list(dict.fromkeys(left_out)), at_least, only_labels, exclude_labels)
 
     def _caster(self, query: Query, timeout: Optional[float],
                 check: "Callable[[Session, str, Any, str], None]") -> Caster:
@@ -102,7 +109,13 @@ class Queried:
 
 def as_list(nodes: Nodes) -> "List[Any]":
     """One node, or several, as a list."""
-    return [nodes] if isinstance(nodes, str) or hasattr(nodes, "__index__") else list(nodes)
+    return [nodes] if isinstance(nodes, (str, Label)) or hasattr(nodes, "__index__") else list(nodes)
+
+
+def _parted(nodes: Nodes) -> "Tuple[List[Any], List[Label]]":
+    """The nodes, and the labels."""
+    given = as_list(nodes)
+    return ([node for node in given if not isinstance(node, Label)], [node for node in given if isinstance(node, Label)])
 
 
 def one_root(chosen: Chosen) -> int:

@@ -1,10 +1,10 @@
-"""What the scenes of one client share: the connection, a limit of the server, and what is known of scenes by name."""
+"""What the scenes of one client share: the connection, what the server is, and what is known of scenes by name."""
 
 from __future__ import annotations
 
-from typing import Dict, Optional, Tuple
+from typing import Any, Dict, Optional, Tuple
 
-from . import _proto
+from . import _proto, errors
 from ._connection import Connection
 from ._lattice import Lattice
 from ._node_table import NodeTable
@@ -20,14 +20,22 @@ class Session:
         #: The nodes of scenes whose names were asked for, as one revision of each has them.
         self.node_tables: "Dict[str, NodeTable]" = {}
         self._lattices: "Dict[str, Lattice]" = {}
-        self._most_rays: Optional[int] = None
+        self._info: Optional[Any] = None  # the message GetServerInfoResponse
 
     def max_rays_per_request(self) -> int:
-        """A limit of the server, which is asked once."""
-        if self._most_rays is None:
-            info = self.connection.call("GetServerInfo", _proto.GetServerInfoRequest())
-            self._most_rays = int(info.max_rays_per_request)
-        return self._most_rays
+        """A limit of the server."""
+        return int(self._server().max_rays_per_request)
+
+    def check_feature(self, name: str) -> None:
+        """Errors: Unimplemented, the server is of a version without it, and would ignore what is asked."""
+        if name not in self._server().features:
+            raise errors.Unimplemented(f"the server is of a version without {name}")
+
+    def _server(self) -> Any:
+        """What the server is, which is asked once."""
+        if self._info is None:
+            self._info = self.connection.call("GetServerInfo", _proto.GetServerInfoRequest())
+        return self._info
 
     def lattice(self, scene: str) -> Lattice:
         """The lattice of a scene, for what this client adds to it."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from typing import Any, ContextManager, Dict, List, Optional, Protocol, Tuple
+from typing import Any, ContextManager, Dict, List, Mapping, Optional, Protocol, Tuple
 
 from ._lattice import Placement
 from .batch import Batch
@@ -18,7 +18,8 @@ class Growing(Protocol):
     def batch(self, expected_revision: Optional[int] = None) -> Batch: ...
 
     def put(self, digest: str, *, name: str = "", parent: Any = 0, transform: Any = None, origin: Any = (0.0, 0.0, 0.0),
-            mobility: Optional[str] = None, mask: Optional[int] = None) -> Node: ...
+            mobility: Optional[str] = None, mask: Optional[int] = None,
+            labels: "Optional[Mapping[str, str]]" = None) -> Node: ...
 
     def _upload(self, mesh: Any) -> "Tuple[str, Optional[Placement]]": ...
 

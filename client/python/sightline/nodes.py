@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Iterable, List, Optional, Protocol
+from typing import Any, Iterable, List, Mapping, Optional, Protocol
 
 import numpy as np
 
@@ -17,7 +17,8 @@ class Changeable(Protocol):
     name: str
 
     def add(self, mesh: Any = None, *, name: str = "", parent: Any = 0, transform: Any = None,
-            origin: Any = (0.0, 0.0, 0.0), mobility: Optional[str] = None, mask: Optional[int] = None) -> "Node": ...
+            origin: Any = (0.0, 0.0, 0.0), mobility: Optional[str] = None, mask: Optional[int] = None,
+            labels: "Optional[Mapping[str, str]]" = None) -> "Node": ...
 
     def set_transforms(self, nodes: "Iterable[Any]", transforms: Any) -> None: ...
 
@@ -63,10 +64,11 @@ class Node:
         return f"<node {self.number} of {self.scene.name}>"
 
     def add(self, mesh: Any = None, *, name: str = "", transform: Any = None, origin: Any = (0.0, 0.0, 0.0),
-            mobility: Optional[str] = None, mask: Optional[int] = None) -> "Node":
+            mobility: Optional[str] = None, mask: Optional[int] = None,
+            labels: "Optional[Mapping[str, str]]" = None) -> "Node":
         """A node under this one; the options of Scene.add."""
         return self.scene.add(mesh, name=name, parent=self, transform=transform, origin=origin, mobility=mobility,
-                              mask=mask)
+                              mask=mask, labels=labels)
 
     def set_transform(self, transform: Any) -> None:
         """Moves it: (3, 4) or (4, 4), parent from local, where local is what the mesh's vertices were given in."""

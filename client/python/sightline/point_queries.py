@@ -7,8 +7,9 @@ from typing import Any, Iterator, Literal, Optional, Union, overload
 from . import _out, _query, _types
 from ._as_points import as_points, check_grid
 from ._precision import warn_of_points
-from ._queried import AnyNode, Changes, Nodes, Queried, is_generated, is_iterator, one_root, refuse_out
+from ._queried import Changes, Nodes, Queried, is_generated, is_iterator, one_root, refuse_out
 from .all_nearest import AllNearest
+from .label import select
 from .nearest import Nearest
 
 
@@ -18,7 +19,7 @@ class PointQueries(Queried):
     @overload
     def closest(self, points: Iterator[Any], max_distance: Any = None, *, masks: Any = None,
                 kind: Literal["all"], fields: "Optional[_types.Words]" = None,
-                build: Optional[str] = None, under: AnyNode = 0, exclude: Nodes = (), max_hits: int = 0,
+                build: Optional[str] = None, under: Nodes = 0, exclude: Nodes = (), max_hits: int = 0,
                 at_least: Optional[str] = None, revision: Optional[int] = None, timeout: Optional[float] = None,
                 progress: _types.Progress = False, time_budget: Optional[float] = None, allow_partial: bool = False,
                 route_key: str = "", side: str = "parity", side_rays: int = 1,
@@ -27,7 +28,7 @@ class PointQueries(Queried):
     @overload
     def closest(self, points: Iterator[Any], max_distance: Any = None, *, masks: Any = None,
                 kind: _types.Kind = "closest", fields: "Optional[_types.Words]" = None,
-                build: Optional[str] = None, under: AnyNode = 0, exclude: Nodes = (), max_hits: int = 0,
+                build: Optional[str] = None, under: Nodes = 0, exclude: Nodes = (), max_hits: int = 0,
                 at_least: Optional[str] = None, revision: Optional[int] = None, timeout: Optional[float] = None,
                 progress: _types.Progress = False, time_budget: Optional[float] = None, allow_partial: bool = False,
                 route_key: str = "", side: str = "parity", side_rays: int = 1,
@@ -36,7 +37,7 @@ class PointQueries(Queried):
     @overload
     def closest(self, points: _types.Rows, max_distance: Any = None, *, masks: Any = None,
                 kind: Literal["all"], fields: "Optional[_types.Words]" = None,
-                build: Optional[str] = None, under: AnyNode = 0, exclude: Nodes = (), max_hits: int = 0,
+                build: Optional[str] = None, under: Nodes = 0, exclude: Nodes = (), max_hits: int = 0,
                 at_least: Optional[str] = None, revision: Optional[int] = None, timeout: Optional[float] = None,
                 progress: _types.Progress = False, time_budget: Optional[float] = None, allow_partial: bool = False,
                 route_key: str = "", side: str = "parity", side_rays: int = 1,
@@ -45,7 +46,7 @@ class PointQueries(Queried):
     @overload
     def closest(self, points: _types.Rows, max_distance: Any = None, *, masks: Any = None,
                 kind: _types.Kind = "closest", fields: "Optional[_types.Words]" = None,
-                build: Optional[str] = None, under: AnyNode = 0, exclude: Nodes = (), max_hits: int = 0,
+                build: Optional[str] = None, under: Nodes = 0, exclude: Nodes = (), max_hits: int = 0,
                 at_least: Optional[str] = None, revision: Optional[int] = None, timeout: Optional[float] = None,
                 progress: _types.Progress = False, time_budget: Optional[float] = None, allow_partial: bool = False,
                 route_key: str = "", side: str = "parity", side_rays: int = 1,
@@ -53,7 +54,7 @@ class PointQueries(Queried):
 
     def closest(self, points: Any, max_distance: Any = None, *, masks: Any = None,
                 kind: str = "closest", fields: "Optional[_types.Words]" = None,
-                build: Optional[str] = None, under: AnyNode = 0, exclude: Nodes = (), max_hits: int = 0,
+                build: Optional[str] = None, under: Nodes = 0, exclude: Nodes = (), max_hits: int = 0,
                 at_least: Optional[str] = None, revision: Optional[int] = None, timeout: Optional[float] = None,
                 progress: _types.Progress = False, time_budget: Optional[float] = None, allow_partial: bool = False,
                 route_key: str = "", side: str = "parity", side_rays: int = 1,
@@ -92,6 +93,7 @@ class PointQueries(Queried):
         query = _query.describe(_query.POINTS, self.name, kind, fields, build, None, one_root(chosen), chosen.exclude,
                                 max_hits, chosen.at_least, revision, time_budget, allow_partial, side, side_rays,
                                 route_key)
+        select(query.request, chosen.only_labels, chosen.exclude_labels)
         self._add_updates(query, apply, points)
         caster = self._caster(query, timeout, warn_of_points)
         if is_iterator(points):
@@ -105,18 +107,18 @@ class PointQueries(Queried):
 
     @overload
     def contains(self, points: Iterator[Any], *, side: str = "parity", side_rays: int = 1, masks: Any = None,
-                 build: Optional[str] = None, under: AnyNode = 0, exclude: Nodes = (), at_least: Optional[str] = None,
+                 build: Optional[str] = None, under: Nodes = 0, exclude: Nodes = (), at_least: Optional[str] = None,
                  revision: Optional[int] = None, timeout: Optional[float] = None, progress: _types.Progress = False,
                  route_key: str = "") -> "Iterator[_types.Bools]": ...
 
     @overload
     def contains(self, points: _types.Rows, *, side: str = "parity", side_rays: int = 1, masks: Any = None,
-                 build: Optional[str] = None, under: AnyNode = 0, exclude: Nodes = (), at_least: Optional[str] = None,
+                 build: Optional[str] = None, under: Nodes = 0, exclude: Nodes = (), at_least: Optional[str] = None,
                  revision: Optional[int] = None, timeout: Optional[float] = None, progress: _types.Progress = False,
                  route_key: str = "") -> _types.Bools: ...
 
     def contains(self, points: Any, *, side: str = "parity", side_rays: int = 1, masks: Any = None,
-                 build: Optional[str] = None, under: AnyNode = 0, exclude: Nodes = (), at_least: Optional[str] = None,
+                 build: Optional[str] = None, under: Nodes = 0, exclude: Nodes = (), at_least: Optional[str] = None,
                  revision: Optional[int] = None, timeout: Optional[float] = None, progress: _types.Progress = False,
                  route_key: str = "") -> "Union[_types.Bools, Iterator[_types.Bools]]":
         """bool, with the leading shape of points (..., 3): whether each is inside; no distance is computed. What it

@@ -6,9 +6,10 @@ from typing import Any, Iterator, Literal, Optional, overload
 
 from . import _out, _query, _types
 from ._precision import warn_of_origins
-from ._queried import AnyNode, Changes, Nodes, Queried, is_generated, is_iterator, one_root, refuse_beside, refuse_out
+from ._queried import Changes, Nodes, Queried, is_generated, is_iterator, one_root, refuse_beside, refuse_out
 from .all_hits import AllHits
 from .hits import Hits
+from .label import select
 from .point_grid import PointGrid
 from .rays import as_rays
 
@@ -19,7 +20,7 @@ class RayQueries(Queried):
     @overload
     def cast(self, rays: Iterator[Any], *, origins: Any = None, directions: Any = None, tmin: Any = None,
              tmax: Any = None, masks: Any = None, kind: Literal["all"], fields: "Optional[_types.Words]" = None,
-             build: Optional[str] = None, cull: Optional[str] = None, under: AnyNode = 0, exclude: Nodes = (),
+             build: Optional[str] = None, cull: Optional[str] = None, under: Nodes = 0, exclude: Nodes = (),
              max_hits: int = 0, at_least: Optional[str] = None, revision: Optional[int] = None,
              timeout: Optional[float] = None, progress: _types.Progress = False,
              time_budget: Optional[float] = None, allow_partial: bool = False, route_key: str = "",
@@ -28,7 +29,7 @@ class RayQueries(Queried):
     @overload
     def cast(self, rays: Iterator[Any], *, origins: Any = None, directions: Any = None, tmin: Any = None,
              tmax: Any = None, masks: Any = None, kind: _types.Kind = "closest", fields: "Optional[_types.Words]" = None,
-             build: Optional[str] = None, cull: Optional[str] = None, under: AnyNode = 0, exclude: Nodes = (),
+             build: Optional[str] = None, cull: Optional[str] = None, under: Nodes = 0, exclude: Nodes = (),
              max_hits: int = 0, at_least: Optional[str] = None, revision: Optional[int] = None,
              timeout: Optional[float] = None, progress: _types.Progress = False,
              time_budget: Optional[float] = None, allow_partial: bool = False, route_key: str = "",
@@ -37,7 +38,7 @@ class RayQueries(Queried):
     @overload
     def cast(self, rays: _types.Rows = None, *, origins: Any = None, directions: Any = None, tmin: Any = None,
              tmax: Any = None, masks: Any = None, kind: Literal["all"], fields: "Optional[_types.Words]" = None,
-             build: Optional[str] = None, cull: Optional[str] = None, under: AnyNode = 0, exclude: Nodes = (),
+             build: Optional[str] = None, cull: Optional[str] = None, under: Nodes = 0, exclude: Nodes = (),
              max_hits: int = 0, at_least: Optional[str] = None, revision: Optional[int] = None,
              timeout: Optional[float] = None, progress: _types.Progress = False,
              time_budget: Optional[float] = None, allow_partial: bool = False, route_key: str = "",
@@ -46,7 +47,7 @@ class RayQueries(Queried):
     @overload
     def cast(self, rays: _types.Rows = None, *, origins: Any = None, directions: Any = None, tmin: Any = None,
              tmax: Any = None, masks: Any = None, kind: _types.Kind = "closest", fields: "Optional[_types.Words]" = None,
-             build: Optional[str] = None, cull: Optional[str] = None, under: AnyNode = 0, exclude: Nodes = (),
+             build: Optional[str] = None, cull: Optional[str] = None, under: Nodes = 0, exclude: Nodes = (),
              max_hits: int = 0, at_least: Optional[str] = None, revision: Optional[int] = None,
              timeout: Optional[float] = None, progress: _types.Progress = False,
              time_budget: Optional[float] = None, allow_partial: bool = False, route_key: str = "",
@@ -54,7 +55,7 @@ class RayQueries(Queried):
 
     def cast(self, rays: Any = None, *, origins: Any = None, directions: Any = None, tmin: Any = None,
              tmax: Any = None, masks: Any = None, kind: str = "closest", fields: "Optional[_types.Words]" = None,
-             build: Optional[str] = None, cull: Optional[str] = None, under: AnyNode = 0, exclude: Nodes = (),
+             build: Optional[str] = None, cull: Optional[str] = None, under: Nodes = 0, exclude: Nodes = (),
              max_hits: int = 0, at_least: Optional[str] = None, revision: Optional[int] = None,
              timeout: Optional[float] = None, progress: _types.Progress = False,
              time_budget: Optional[float] = None, allow_partial: bool = False, route_key: str = "",
@@ -76,7 +77,8 @@ class RayQueries(Queried):
         cull: "back" or "front", hits that do not count.
         under: only this node and those under it exist; exclude: one or several, which do not, with those under them.
         Nodes are objects, ids, or names: see Scene.find; `exclude` takes all that have a name or match a pattern. Names
-        are looked up at the newest revision.
+        are looked up at the newest revision. Both take a sightline.Label, too, or several, at most 64 each, for the
+        nodes that have one of them at the revision that answers; under=[node, label]: what is under both.
         max_hits: for "all", the nearest of a ray; 0: all, however many they are.
         at_least: a token, of hits or of an update, that the answer must not be older than; revision: answer at it.
         time_budget: seconds for the cast on the server; rays without an answer by then are marked (`unanswered`), and
@@ -109,6 +111,7 @@ class RayQueries(Queried):
         chosen = self._choose(under, exclude, revision, at_least, apply is not None)
         query = _query.describe(_query.RAYS, self.name, kind, fields, build, cull, one_root(chosen), chosen.exclude,
                                 max_hits, chosen.at_least, revision, time_budget, allow_partial, route_key=route_key)
+        select(query.request, chosen.only_labels, chosen.exclude_labels)
         self._add_updates(query, apply, rays)
         caster = self._caster(query, timeout, warn_of_origins)
         if is_iterator(rays):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Dict, Iterable, Iterator, List, Optional, Tuple
+from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional, Tuple
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from .batch import Batch, apply
 from .change import Change
 from .deferred_cells import DeferredCells
 from .hierarchy import add_hierarchy, is_hierarchy
+from .label import select
 from .meshes import as_mesh, upload
 from .node_info import NodeInfo
 from .node_mesh import NodeMesh
@@ -61,7 +62,7 @@ class Scene(RayQueries, PointQueries):
         self._session.delete_scene(self.name)
 
     def render(self, size: "Tuple[int, int]" = (640, 480), *, eye: Any = None, at: Any = None, up: Any = None,
-               fov: float = 40.0, fields: "_types.Words" = (), under: AnyNode = 0, exclude: Nodes = (),
+               fov: float = 40.0, fields: "_types.Words" = (), under: Nodes = 0, exclude: Nodes = (),
                at_least: Optional[str] = None, revision: Optional[int] = None, timeout: Optional[float] = None,
                progress: _types.Progress = False) -> Picture:
         """A picture, width x height, of closest hits shaded by their normals; a notebook displays it.
@@ -79,7 +80,7 @@ class Scene(RayQueries, PointQueries):
                  exclude: Nodes = (), kind: str = "closest", timeout: Optional[float] = None,
                  progress: _types.Progress = False) -> PrefetchReport:
         """Builds trees before rays come: all of them, or those of the nodes `under` and of those under them, but not
-        `exclude`.
+        `exclude`; both take labels as in cast().
 
         rays, as cast() takes an array or a SphericalScan, Pinhole or VisibilityPairs, or points, as closest() takes an
         array with max_distance, or a PointGrid: builds only what a query of them of this kind would build; then `under`
@@ -94,6 +95,7 @@ class Scene(RayQueries, PointQueries):
         chosen = self._choose(under, exclude)
         request = _proto.PrefetchRequest(scene=self.name, exclude=chosen.exclude,
                                          roots=[root for root in chosen.under if root])
+        select(request, chosen.only_labels, chosen.exclude_labels)
         source = None
         if rays is not None:
             if isinstance(rays, PointGrid):
@@ -154,19 +156,21 @@ class Scene(RayQueries, PointQueries):
         return read_mesh(self._connection, self.name, updates.ids([chosen])[0])
 
     def add(self, mesh: Any = None, *, name: str = "", parent: Any = 0, transform: Any = None,
-            origin: Any = (0.0, 0.0, 0.0), mobility: Optional[str] = None, mask: Optional[int] = None) -> Node:
+            origin: Any = (0.0, 0.0, 0.0), mobility: Optional[str] = None, mask: Optional[int] = None,
+            labels: "Optional[Mapping[str, str]]" = None) -> Node:
         """A new node, under `parent` (0: a root), and its mesh; None: a group.
 
         mesh: (vertices (v, 3), faces (f, 3)), or an object that has both, as trimesh's; or a trimesh.Scene, whose nodes
         are put under this one, all as one revision. Vertices are kept as float32; with `origin` (3), a point near them,
         about a point of the scene's lattice, where meshes that share vertices still share them, and by a node of its
         own below the new one if that point is not zero (Node.mesh_node). transform: (3, 4) or (4, 4), parent from
-        local. mobility: "static", "rigid", "deforming". mask: 32 bits, of which rays need one. Errors: TypeError,
-        ValueError (not a mesh, a transform), InvalidArgument (no ray can be transformed into its frame), NotFound (the
-        parent).
+        local. mobility: "static", "rigid", "deforming". mask: 32 bits, of which rays need one. labels: facts about the
+        node as values by keys, such as {"class": "IfcWindow"}, by which queries select; those of a trimesh.Scene are
+        of this node, not of those under it. Errors: TypeError, ValueError (not a mesh, a transform, labels),
+        InvalidArgument (no ray can be transformed into its frame, labels beyond a limit), NotFound (the parent).
         """
         options: "Dict[str, Any]" = {"name": name, "parent": parent, "transform": transform, "mobility": mobility,
-                                     "mask": mask}
+                                     "mask": mask, "labels": labels}
         if is_hierarchy(mesh):
             return add_hierarchy(self, mesh, **options)
         if mesh is None:
@@ -184,22 +188,23 @@ class Scene(RayQueries, PointQueries):
         return upload(self._connection, made), made.placement
 
     def put(self, digest: str, *, name: str = "", parent: Any = 0, transform: Any = None,
-            origin: Any = (0.0, 0.0, 0.0), mobility: Optional[str] = None, mask: Optional[int] = None) -> Node:
+            origin: Any = (0.0, 0.0, 0.0), mobility: Optional[str] = None, mask: Optional[int] = None,
+            labels: "Optional[Mapping[str, str]]" = None) -> Node:
         """A new node with a mesh that the server has, by its digest; "": a group. origin: as given to the add() of this
         program that sent the mesh, or Node.origin of its node."""
         point = tuple(np.asarray(origin, "f8").reshape(3).tolist())
         placement = Placement(np.array(point), math.inf) if digest and any(point) else None
         return self._put(digest, self._session.lattice(self.name).added.get((digest, point), placement), name=name,
-                         parent=parent, transform=transform, mobility=mobility, mask=mask)
+                         parent=parent, transform=transform, mobility=mobility, mask=mask, labels=labels)
 
     def _put(self, digest: str, placement: "Optional[Placement]", *, name: str, parent: AnyNode, transform: Any,
-             mobility: Optional[str], mask: Optional[int]) -> Node:
+             mobility: Optional[str], mask: Optional[int], labels: "Optional[Mapping[str, str]]") -> Node:
         """A node, and one below it for a mesh that is placed, so that every move of the node moves the mesh with it."""
         alias = self._batch.next_alias() if self._batch else -1
         node = Node(self, alias)
         made = [node]
         changes: "List[updates.Update]" = [updates.put_node(alias, updates.ids([parent])[0], name, transform,
-                                                          digest if placement is None else "", mobility, mask)]
+                                                          digest if placement is None else "", mobility, mask, labels)]
         if placement is not None:
             made.append(node.placed(alias - 1, placement))
             changes.append(updates.put_node(alias - 1, alias, name, translation(placement.origin), digest, mobility,

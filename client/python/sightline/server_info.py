@@ -92,6 +92,11 @@ class ServerInfo:
     max_segments: int  #: open on the whole server
     max_segments_per_principal: int
     max_rays_per_shared_request: int  #: whose rays and answers are in a segment, or whose rays are made and answers are
+    max_labels_per_node: int
+    max_label_key_bytes: int
+    max_label_value_bytes: int
+    max_label_bytes_per_node: int  #: keys and values
+    max_label_matches: int  #: labels in `under`, and in `exclude`
 
     @classmethod
     def of(cls, answer: Any) -> "ServerInfo":

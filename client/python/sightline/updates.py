@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import operator
-from typing import Any, Iterable, List, Optional, Union
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Union
 
 import numpy as np
 
-from . import _proto
+from . import _proto, label
 from ._types import Array, Doubles, Floats
 
 _ROWS_PER_UPDATE = 4096  # transforms, so that each message stays far below the server's limit
@@ -20,7 +20,7 @@ ALL_BITS = 0xFFFFFFFF  # the mask of a node that is given none
 @dataclasses.dataclass(frozen=True)
 class PutNode:
     """A node that is made (its number is a negative alias, then) or replaced. transform: float64 (3, 4), parent from
-    local; parent 0: a root."""
+    local; parent 0: a root. labels: values by keys."""
 
     node: int
     parent: int
@@ -29,6 +29,7 @@ class PutNode:
     mesh_digest: str
     mobility: str
     mask: int
+    labels: Dict[str, str] = dataclasses.field(default_factory=dict)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -78,9 +79,10 @@ def ids(nodes: "Iterable[Any]") -> "List[int]":
 
 
 def put_node(node: int, parent: int = 0, name: str = "", transform: Any = None, digest: str = "",
-             mobility: Optional[str] = None, mask: Optional[int] = None) -> PutNode:
+             mobility: Optional[str] = None, mask: Optional[int] = None,
+             labels: "Optional[Mapping[str, str]]" = None) -> PutNode:
     """Makes (node < 0, an alias) or replaces a node. Errors: ValueError, another mobility, a transform of another
-    shape, a mask of more than 32 bits."""
+    shape, a mask of more than 32 bits; TypeError, labels that are not strings."""
     if mobility is not None:
         check_mobility(mobility)
     if mask is not None and not 0 <= mask <= ALL_BITS:
@@ -89,7 +91,7 @@ def put_node(node: int, parent: int = 0, name: str = "", transform: Any = None, 
     if matrix.shape != (3, 4):
         raise ValueError(f"a transform has the shape (3, 4) or (4, 4), not {matrix.shape}")
     return PutNode(operator.index(node), operator.index(parent), name, matrix, digest, mobility or "static",
-                   ALL_BITS if mask is None else mask)
+                   ALL_BITS if mask is None else mask, label.checked(labels))
 
 
 def set_transforms(nodes: "Iterable[Any]", transforms: Any) -> "List[SetTransforms]":
@@ -122,7 +124,8 @@ def encode(change: Update) -> Any:
     """The message of a change. TypeError: it is none."""
     if isinstance(change, PutNode):
         put = _proto.PutNode(node=change.node, parent=change.parent, name=change.name, mesh_digest=change.mesh_digest,
-                             mobility=_proto.enum_value(f"MOBILITY_{change.mobility.upper()}"), mask=change.mask)
+                             mobility=_proto.enum_value(f"MOBILITY_{change.mobility.upper()}"), mask=change.mask,
+                             labels=label.encode(change.labels))
         put.transform.matrix.extend(as_matrix(change.transform).reshape(12))
         return _proto.Update(put_node=put)
     if isinstance(change, SetTransforms):
@@ -155,7 +158,8 @@ def decode(update: Any) -> Update:
     if kind == "put_node":
         matrix = np.array(value.transform.matrix or np.eye(3, 4).reshape(12)).reshape(3, 4)
         mask = value.mask if value.HasField("mask") else ALL_BITS
-        return PutNode(value.node, value.parent, value.name, matrix, value.mesh_digest, mobility_name(value.mobility), mask)
+        return PutNode(value.node, value.parent, value.name, matrix, value.mesh_digest, mobility_name(value.mobility), mask,
+                       label.decode(value.labels))
     if kind == "set_transforms":
         return SetTransforms(np.array(value.nodes, np.uint64), np.frombuffer(value.matrices, "<f8").reshape(-1, 3, 4))
     if kind == "delete_node":

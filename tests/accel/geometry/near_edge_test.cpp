@@ -4,9 +4,12 @@
 
 #include "accel/geometry/intersect.h"
 #include "tests/fuzz/near_edges.h"
+#include "tests/support/rounds.h"
 
 namespace sightline::tests {
 namespace {
+
+constexpr std::size_t kPairs = rounds(200'000);
 
 void expect_right(const Tally& tally) {
   const PairCount total = tally.total();
@@ -21,18 +24,18 @@ void expect_right(const Tally& tally) {
 }
 
 TEST(NearEdge, AgreesWithExactArithmetic) {
-  const Tally tally = check_near_edges(200000, 1);
+  const Tally tally = check_near_edges(kPairs, 1);
   expect_right(tally);
   // The cases are as hard as intended, and of every kind.
   const PairCount total = tally.total();
-  EXPECT_GE(total.near, 200000u);
+  EXPECT_GE(total.near, kPairs);
   for (const PairCount& count : tally.by_patch) {
     EXPECT_GT(count.near, count.pairs / 2);
     EXPECT_GT(count.hits, count.pairs / 10);
     EXPECT_GT(count.zeros, count.pairs / 10);
   }
-  EXPECT_GT(total.one, 10000u);
-  EXPECT_GT(total.folded, 10000u);
+  EXPECT_GT(total.one, kPairs / 20);
+  EXPECT_GT(total.folded, kPairs / 20);
 }
 
 /// Seen nearly edge-on, through a vertex: that vertex has all the weight, not the other two.
@@ -51,11 +54,11 @@ TEST(NearEdge, WeightsHoldAtGrazingAngles) {
 }
 
 TEST(NearEdge, DoesNotDependOnTheOrderOfVertices) {
-  expect_right(check_near_edges(20000, 2, {.all_orders = true}));
+  expect_right(check_near_edges(kPairs / 10, 2, {.all_orders = true}));
 }
 
 TEST(NearEdge, DoesNotDependOnFlushedDenormalResults) {
-  expect_right(check_near_edges(20000, 3, {.flush_denormals = true}));
+  expect_right(check_near_edges(kPairs / 10, 3, {.flush_denormals = true}));
 }
 
 }  // namespace

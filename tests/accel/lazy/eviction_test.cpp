@@ -194,7 +194,7 @@ TEST(Eviction, HardMeshesKeepTheirAnswers) {
         tests::random_soup(40, 0.3, 1), tests::with_nonfinite(4000, 3),
         tests::with_nonfinite(900, 1)}) {
     const Growing of(mesh);
-    const tests::RaysByRule by_rule(of.mesh, tests::make_hard_rays(of.mesh, 32, 8));
+    const tests::RaysByRule by_rule(of.mesh, tests::make_hard_rays(of.mesh, 16, 8));
     for (int turn = 0; turn < 2; ++turn) {
       expect_exact(of, by_rule);
       of.evict_all();

@@ -15,6 +15,7 @@
 #include "tests/support/hard_meshes.h"
 #include "tests/support/hard_rays.h"
 #include "tests/support/mesh_query.h"
+#include "tests/support/rounds.h"
 
 namespace sightline::accel::mesh {
 namespace {
@@ -156,7 +157,8 @@ class AllHits : public ::testing::TestWithParam<std::tuple<std::int64_t, std::si
 
   /// More triangles than become blocks at once.
   const TestMesh mesh_ = tests::hard_meshes()[std::get<1>(GetParam())].make(1200, 31);
-  const std::vector<Ray> rays_ = tests::make_hard_rays(mesh_, 3 * tests::kHardRayKinds, 32);
+  const std::vector<Ray> rays_ =
+      tests::make_hard_rays(mesh_, tests::rounds(3) * tests::kHardRayKinds, 32);
 };
 
 TEST_P(AllHits, OfRaysAloneAndOfPacketsEqualTheRule) {

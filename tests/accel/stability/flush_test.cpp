@@ -8,6 +8,7 @@
 #include "tests/support/flush_denormals.h"
 #include "tests/support/hard_meshes.h"
 #include "tests/support/hard_rays.h"
+#include "tests/support/rounds.h"
 
 namespace sightline::tests {
 namespace {
@@ -36,7 +37,8 @@ std::vector<TestMesh> small_things() {
 
 /// Trees of all builders that were built before, are built, or grow while denormals are flushed.
 void expect_unchanged_hits(const TestMesh& mesh, bool inputs) {
-  const std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, 10 * kHardRayKinds, 5);
+  const std::vector<accel::geometry::Ray> rays =
+      make_hard_rays(mesh, rounds(10) * kHardRayKinds, 5);
   const std::vector<NearestHit> expected = nearest_without_tree(mesh, rays);
   for (const std::string_view builder : accel::published::builder_names()) {
     AskedTree before(mesh, builder);
@@ -66,7 +68,8 @@ TEST(FlushedDenormals, OfOperandsChangeNoHitOfNormalVertices) {
 /// A direction's length only sets the unit of t.
 TEST(TinyDirections, HitTheSameTriangles) {
   const TestMesh mesh = icosphere(3);
-  const std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, 10 * kHardRayKinds, 6);
+  const std::vector<accel::geometry::Ray> rays =
+      make_hard_rays(mesh, rounds(10) * kHardRayKinds, 6);
   for (const std::string_view builder : accel::published::builder_names()) {
     AskedTree tree(mesh, builder);
     for (accel::geometry::Ray ray : rays) {

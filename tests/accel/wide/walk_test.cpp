@@ -11,6 +11,7 @@
 #include "tests/accel/wide/walk_meshes.h"
 #include "tests/support/hard_rays.h"
 #include "tests/support/random.h"
+#include "tests/support/rounds.h"
 
 namespace sightline::accel::wide {
 namespace {
@@ -228,41 +229,44 @@ class OnEveryMesh : public ::testing::TestWithParam<std::tuple<std::int64_t, std
 };
 
 TEST_P(OnEveryMesh, PacketsOfAnySizeEqualTheRule) {
-  const std::vector<Ray> rays = tests::make_hard_rays(of_->mesh, 192, 21);
+  const std::vector<Ray> rays = tests::make_hard_rays(of_->mesh, tests::rounds(96), 21);
   EXPECT_GT(expect_exact(*of_, rays, {1, 3, 5, kLanes}), 0u);
 }
 
 TEST_P(OnEveryMesh, RaysSideBySideEqualTheRule) {
-  const std::vector<Ray> rays = side_by_side(of_->mesh, 24, 22);
+  const std::vector<Ray> rays = side_by_side(of_->mesh, tests::rounds(12), 22);
   expect_exact(*of_, rays, {kLanes});
 }
 
 TEST_P(OnEveryMesh, SteepRaysEqualTheRule) {
-  const std::vector<Ray> rays = steep(*of_, 320, 23);
+  const std::vector<Ray> rays = steep(*of_, tests::rounds(160), 23);
   expect_exact(*of_, rays, {1, kLanes});
 }
 
 TEST_P(OnEveryMesh, RaysFromAfarEqualTheRule) {
-  const std::vector<Ray> rays = from_afar(*of_, 320, 29);
+  const std::vector<Ray> rays = from_afar(*of_, tests::rounds(160), 29);
   EXPECT_GT(expect_exact(*of_, rays, {1, kLanes}), 0u);
 }
 
 TEST_P(OnEveryMesh, LimitsAtHitsAreClosed) {
-  std::vector<Ray> rays = tests::make_hard_rays(of_->mesh, 96, 24);
-  for (const std::vector<Ray>& more : {side_by_side(of_->mesh, 6, 25), from_afar(*of_, 96, 30)})
+  std::vector<Ray> rays = tests::make_hard_rays(of_->mesh, tests::rounds(48), 24);
+  for (const std::vector<Ray>& more :
+       {side_by_side(of_->mesh, 3, 25), from_afar(*of_, tests::rounds(48), 30)})
     rays.insert(rays.end(), more.begin(), more.end());
   rays = tests::with_limits_at_hits(of_->mesh, rays);
   expect_exact(*of_, rays, {kLanes});
 }
 
 TEST_P(OnEveryMesh, EveryHitIsListedAndCounted) {
-  const std::vector<Ray> hard = tests::make_hard_rays(of_->mesh, 48, 26),
+  const std::vector<Ray> hard = tests::make_hard_rays(of_->mesh, tests::rounds(48), 26),
                          together = side_by_side(of_->mesh, 3, 28);
   EXPECT_GT(expect_every(*of_, hard, 1, Culling::kNone), 0u);
   for (const Culling culling : {Culling::kNone, Culling::kBack, Culling::kFront}) {
     expect_every(*of_, tests::with_limits_at_hits(of_->mesh, hard), kLanes, culling);
-    expect_every(*of_, steep(*of_, 48, 27), 5, culling);
-    expect_every(*of_, tests::with_limits_at_hits(of_->mesh, from_afar(*of_, 48, 31)), 5, culling);
+    expect_every(*of_, steep(*of_, tests::rounds(48), 27), 5, culling);
+    expect_every(*of_,
+                 tests::with_limits_at_hits(of_->mesh, from_afar(*of_, tests::rounds(48), 31)), 5,
+                 culling);
     expect_every(*of_, together, kLanes, culling);
     expect_every(*of_, tests::with_limits_at_hits(of_->mesh, together), kLanes, culling);
   }

@@ -95,6 +95,36 @@ class Pages(unittest.TestCase):
         self.assertEqual(summaries.outdated(self.root, self.folder), ["docs/page.md"])
 
 
+class Lines(unittest.TestCase):
+    def test_a_method_that_is_alike_in_every_family_has_one_line(self):
+        lines = [["a", "exact", "0"], ["a", "float", "1 %"], ["b", "exact", "0"], ["b", "float", "2 %"]]
+        self.assertEqual(summaries.alike_once(lines),
+                         [["all", "exact", "0"], ["a", "float", "1 %"], ["b", "float", "2 %"]])
+
+    def test_a_method_that_some_family_lacks_keeps_its_lines(self):
+        lines = [["a", "exact", "0"], ["a", "float", "0"], ["b", "float", "0"]]
+        self.assertEqual(summaries.alike_once(lines), [["all", "float", "0"], ["a", "exact", "0"]])
+
+
+class Tables(unittest.TestCase):
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.folder = pathlib.Path(temporary.name)
+
+    def test_wrong_answers_are_failures(self):
+        row = {"builder": "sah", "failed_by_design": "", "failures": "", "relative_work": 1.0}
+        write_csv(self.folder / "stability.csv",
+                  [{**row, "family": "fan", "wrong": 2}, {**row, "family": "book", "wrong": 0}])
+        self.assertIn("| `sah` | 2 | none | fan: 2 wrong answers | 1 | 1 |", summaries.stability(self.folder))
+
+    def test_times_of_papers_stay_in_the_file(self):
+        row = {"source": "a", "scene": "bunny", "builder": "sah", "published": 3.0, "here": 2.0}
+        write_csv(self.folder / "papers.csv", [{**row, "quantity": "seconds"}, {**row, "quantity": "expected_leaves"}])
+        self.assertEqual(summaries.papers(self.folder).splitlines()[2:],
+                         ["| a | bunny | `sah` | expected leaves: 3 / 2 |"])
+
+
 class Numbers(unittest.TestCase):
     def test_numbers_have_three_digits(self):
         self.assertEqual([summaries.show(v) for v in (None, 0, 0.01234, 1.0, 12.345, 12345.6, "a")],

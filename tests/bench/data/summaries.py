@@ -4,7 +4,6 @@ A page has a line `<!-- data: NAME -->`, then the table, then a line `<!-- end -
 """
 import math
 import re
-import statistics
 
 from csv_files import read_csv
 
@@ -68,35 +67,11 @@ def builder_line(name, rows, sweep):
 BUILDER_HEADS = ["builder", "Mtri/s", "references / triangle", "touches / triangle", "SAH cost", "work", "trace time"]
 
 
-def builder_lines(folder, chosen, turned=False):
-    rows = [row for row in read_csv(folder / "builders.csv") if (row["scene"] == TURNED) == turned]
-    sweep = {row["scene"]: row for row in rows if row["configuration"] == SWEEP}
-    return table(BUILDER_HEADS, [builder_line(name, of, sweep) for name, of in groups(rows, "configuration").items() if chosen(of[0])])
-
-
 def builders(folder):
-    return builder_lines(folder, lambda row: row["default"] == "yes" or row["configuration"] == SWEEP)
-
-
-def parameters(folder):
-    return builder_lines(folder, lambda row: row["default"] == "no" and row["configuration"] != SWEEP)
-
-
-TURNED_BUILDERS = "spatial-median", "sah-sweep", "min-max-bins", "scan-all-axes", "scan-fast", "scan-best", "bvh-sweep", "sbvh"
-
-
-def turned(folder):
-    return builder_lines(folder, lambda row: row["default"] == "yes" and row["builder"] in TURNED_BUILDERS, turned=True)
-
-
-def growth(folder):
-    lines = []
-    for name, rows in groups(read_csv(folder / "growth.csv"), "builder").items():
-        small, large = rows[0], rows[-1]
-        lines.append([f"`{name}`", f"2^{math.log2(small['triangles']):.0f} to 2^{math.log2(large['triangles']):.0f}",
-                      small["touches_per_triangle"], large["touches_per_triangle"], small["law"], small["a"],
-                      percent(small["largest_residual"])])
-    return table(["builder", "triangles", "touches / triangle, fewest", "most", "law", "a", "largest residual"], lines)
+    rows = [row for row in read_csv(folder / "builders.csv") if row["scene"] != TURNED]
+    sweep = {row["scene"]: row for row in rows if row["configuration"] == SWEEP}
+    return table(BUILDER_HEADS, [builder_line(name, of, sweep) for name, of in groups(rows, "configuration").items()
+                                 if of[0]["default"] == "yes" or of[0]["configuration"] == SWEEP])
 
 
 def slivers(folder):
@@ -106,28 +81,30 @@ def slivers(folder):
                   for row in read_csv(folder / "slivers.csv")])
 
 
+TIMES = "seconds", "polygons_per_s"  # of machines of other decades: the page leaves them to the CSV file
+
+
 def papers(folder):
-    figures = lambda rows, key: "; ".join(f"{row['quantity'].replace('_', ' ')} {show(row[key])}" for row in rows)
-    return table(["source", "scene", "builder", "published", "here"],
-                 [[source, scene, f"`{builder}`", figures(rows, "published"), figures(rows, "here")]
-                  for (source, scene, builder), rows in groups(read_csv(folder / "papers.csv"), "source", "scene", "builder").items()])
-
-
-def images(folder):
-    """The fastest way for each number of rays, Embree left out: how many scenes each way wins."""
-    rows = [row for row in read_csv(folder / "images.csv") if not row["builder"].startswith("embree")]
-    lines = []
-    for (kind, count), of in groups(rows, "rays", "count").items():
-        wins = {}
-        for scene in groups(of, "scene").values():
-            best = min(scene, key=lambda row: row["seconds_to_hits"])
-            way = "growing `scan-fast`" if best["policy"] == "first-touch" else f"`{best['builder']}`"
-            wins[way] = wins.get(way, 0) + 1
-        lines.append([kind, count, ", ".join(f"{way} {n}" for way, n in sorted(wins.items(), key=lambda item: -item[1]))])
-    return table(["picture", "rays", "fastest on how many scenes"], lines)
+    figure = lambda row: f"{row['quantity'].replace('_', ' ')}: {show(row['published'])} / {show(row['here'])}"
+    figures = lambda rows: "; ".join(figure(row) for row in rows)
+    rows = [row for row in read_csv(folder / "papers.csv") if row["quantity"] not in TIMES]
+    return table(["source", "scene", "builder", "published / here"],
+                 [[source, scene, f"`{builder}`", figures(of)]
+                  for (source, scene, builder), of in groups(rows, "source", "scene", "builder").items()])
 
 
 # Robustness.
+
+def alike_once(lines):
+    """Lines of a family, a method and cells: a method that has the same cells in every family has one line, of all."""
+    families = len({line[0] for line in lines})
+    cells_of = {}
+    for _, method, *cells in lines:
+        cells_of.setdefault(method, []).append(cells)
+    alike = {method: cells[0] for method, cells in cells_of.items() if cells.count(cells[0]) == len(cells) == families}
+    return [["all", method, *cells] for method, cells in alike.items()] + \
+        [line for line in lines if line[1] not in alike]
+
 
 def robust(folder):
     lines = []
@@ -136,10 +113,12 @@ def robust(folder):
         kinds = {kind: [sum(row[key] for row in some) for key in ("missed", "extra", "rays")] for kind, some in groups(of, "kind").items()}
         cell = lambda missed, extra, rays: "0" if missed + extra == 0 else f"{percent(missed / rays)}, {percent(extra / rays)}"
         checked, wrong = (sum(row.get(key, 0) for row in of) for key in ("checked", "mismatched"))
-        lines.append([family, method + (", growing" if policy == "first-touch" else ""),
-                      *(cell(*kinds[kind]) for kind in ("vertices", "edges", "random", "axis")),
-                      percent(wrong / checked) if checked else None])
-    return table(["family", "method", "vertices", "edges", "random", "axis", "wrong nearest hit"], lines)
+        cells = [*(cell(*kinds[kind]) for kind in ("vertices", "edges", "random", "axis")), percent(wrong / checked) if checked else None]
+        if policy == "first-touch" and lines[-1][0] == family and lines[-1][2:] == cells:
+            lines[-1][1] += ", full and growing"
+        else:
+            lines.append([family, method + (", growing" if policy == "first-touch" else ""), *cells])
+    return table(["family", "method", "vertices", "edges", "random", "axis", "wrong nearest hit"], alike_once(lines))
 
 
 def broken(text):
@@ -148,14 +127,16 @@ def broken(text):
 
 
 def stability(folder):
+    """Each builder over all families. No builder may have a wrong answer, so these are counted among the failures."""
     lines = []
     for name, rows in groups(read_csv(folder / "stability.csv"), "builder").items():
         design = [row["family"] for row in rows if row.get("failed_by_design")]
         failures = [f"{row['family']}: {part}" for row in rows for part in broken(row.get("failures", ""))]
+        wrong = [f"{row['family']}: {show(row['wrong'])} wrong answers" for row in rows if row["wrong"]]
         works = [row["relative_work"] for row in rows if row.get("relative_work")]
-        lines.append([f"`{name}`", len(rows), sum(row["wrong"] for row in rows), len(rows) - len(design) - len(failures),
-                      ", ".join(design) or "none", ", ".join(failures) or "none", mean(works), max(works, default=None)])
-    return table(["builder", "families", "wrong answers", "all bounds kept", "broken by design of the method", "failures",
+        lines.append([f"`{name}`", len(rows) - len(design) - len(failures), ", ".join(design) or "none",
+                      ", ".join(failures + wrong) or "none", mean(works), max(works, default=None)])
+    return table(["builder", f"of {len(rows)} families keep all bounds", "broken by design of the method", "failures",
                   "work over the sweep, mean", "worst"], lines)
 
 
@@ -195,19 +176,6 @@ def law(folder):
                   for row in rows if row["what"] == "fit"])
 
 
-def law_points(folder):
-    """Touches over n, for the smallest and the largest scene."""
-    points = [row for row in read_csv(folder / "lazy_law.csv") if row["what"] == "point"]
-    sizes = sorted({row["n"] for row in points})
-    shares = [share for share in sorted({row["share"] for row in points}) if round(math.log2(share)) % 2 == 0]
-    lines = []
-    for hierarchy, of in groups(points, "hierarchy").items():
-        for n in (sizes[0], sizes[-1]):
-            by_share = {row["share"]: row["touches"] / n for row in of if row["n"] == n}
-            lines.append([f"{hierarchy}, 2^{math.log2(n):.0f}", *(by_share.get(share) for share in shares)])
-    return table(["n", *("all" if share == 1 else f"2^{math.log2(share):.0f}" for share in shares)], lines)
-
-
 def villages(folder):
     return table(["triangles", "nodes", "touches", "touches of the first ray", "first hit, us", "with cold caches, us"],
                  [[f"2^{math.log2(row['triangles']):.0f}", *(row[key] for key in ("nodes", "touches", "touches_first", "first_hit_us",
@@ -238,63 +206,9 @@ ASIDE = "again_", "dynamic_touches", "small_", "static_trace_ms"  # columns that
 
 def motion(folder):
     rows = [row for row in read_csv(folder / "motion.csv") if not row["quantity"].startswith(ASIDE)]
-    return table(["show", "quantity", "figure"], [[row["show"], row["quantity"].replace("_", " "), row["figure"]] for row in rows
-                                                  if not row["quantity"].endswith(("_q1", "_q3"))])
-
-
-# Planning.
-
-POLICIES = {"round_robin": "round robin", "hashing": "hashing", "bounded": "hashing, bounded"}
-UNITS = {"s": (1e6, "us"), "bytes": (1, "bytes"), "triangles": (1, "triangles")}
-
-
-def planning_costs(folder):
-    lines = []
-    for row in read_csv(folder / "planning_costs.csv"):
-        scale, unit = UNITS[row["unit"]]
-        if unit == "us" and row["value"] < 1e-6:
-            scale, unit = 1e9, "ns"
-        lines.append([f"`{row['name']}`", f"{show(scale * row['value'])} {unit}", f"{show(scale * row['least'])} to {show(scale * row['most'])}"])
-    return table(["unit cost", "median", "of rounds"], lines)
-
-
-def planning_fleets(folder):
-    """The smallest fleets whose busiest replica has room, and what they cost."""
-    rows = [row for row in read_csv(folder / "planning.csv") if row["zipf"] == 1 and row["busiest"] <= 0.8]
-    lines = []
-    for clients in sorted({row["clients"] for row in rows}):
-        line = [clients]
-        for policy in POLICIES:
-            of = [row for row in rows if row["clients"] == clients and row["policy"] == policy]
-            best = min(of, key=lambda row: row["replicas"], default=None)
-            line.append(f"{best['replicas']:,.0f} ({show(best['cost_an_hour'])})" if best else None)
-        lines.append(line)
-    return table(["clients", *POLICIES.values()], lines)
-
-
-def planning_log(folder):
-    """The largest fleets whose updates PostgreSQL can take."""
-    rows = read_csv(folder / "planning_log.csv")
-    lines = []
-    for updates, of in groups(rows, "updates_s").items():
-        most = {policy: max((row["replicas"] for row in of if row["policy"] == policy and row["database_load"] <= 1), default=None) for policy in POLICIES}
-        lines.append([updates, *most.values()])
-    lines = [[line[0], *("1,000 and more" if cell == 1000 else cell for cell in line[1:])] for line in sorted(lines)]
-    return table(["updates a second", *POLICIES.values()], lines)
-
-
-QUANTITIES = {"throughput": "requests a second", "built_ratio": "triangles built, over one server's", "p50_ms": "median response, ms"}
-
-
-def planning_check(folder):
-    lines = []
-    for policy, of in groups(read_csv(folder / "planning_check.csv"), "policy").items():
-        for key, name in QUANTITIES.items():
-            measured, simulated = ([row[f"{who}_{key}"] for row in of] for who in ("measured", "simulated"))
-            quotients = sorted(b / a for a, b in zip(measured, simulated))
-            lines.append([POLICIES[policy], name, statistics.median(measured), statistics.median(simulated),
-                          f"{statistics.median(simulated) / statistics.median(measured):.2f}", f"{quotients[0]:.2f} to {quotients[-1]:.2f}"])
-    return table(["policy", "quantity", "measured", "simulated", "simulated / measured", "of rounds"], lines)
+    figures = lambda of: "; ".join(f"{row['quantity'].replace('_', ' ')}: {show(row['figure'])}" for row in of
+                                   if not row["quantity"].endswith(("_q1", "_q3")))
+    return table(["show", "figures"], [[name, figures(of)] for name, of in groups(rows, "show").items()])
 
 
 def filled(text, folder):

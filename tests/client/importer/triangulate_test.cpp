@@ -13,6 +13,7 @@
 
 #include "client/importer/orientation.h"
 #include "tests/support/random.h"
+#include "tests/support/rounds.h"
 
 namespace sightline::client::importer {
 namespace {
@@ -300,15 +301,15 @@ TEST(Triangulate, EachTriangleHasTheVertexThatIsNotFinite) {
 
 TEST(Triangulate, ManyCorners) {
   Random random(5);
-  expect_covered(placed(comb(15'000), random_plane(random, 1e-3)), "comb");
-  expect_covered(placed(spiral(20'000, 0.01), random_plane(random, 1e3)), "spiral");
-  expect_covered(placed(skyline(20'000, random), {}), "skyline");
+  expect_covered(placed(comb(tests::rounds(15'000)), random_plane(random, 1e-3)), "comb");
+  expect_covered(placed(spiral(tests::rounds(20'000), 0.01), random_plane(random, 1e3)), "spiral");
+  expect_covered(placed(skyline(tests::rounds(20'000), random), {}), "skyline");
 }
 
 // All of these took quadratic time: minutes at a million corners.
 TEST(Triangulate, ManyCornersOfPolygonsThatCrossThemselves) {
   Random random(8);
-  constexpr std::size_t kCorners = 300'000;
+  constexpr std::size_t kCorners = tests::rounds(300'000);
   Outline scattered, wound, repeated;
   for (std::size_t i = 0; i < kCorners; ++i) {
     const double angle = 2.4 * static_cast<double>(i);

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
+
 #include "client/scene_upload.h"
 #include "tests/client/support/live_client.h"
 
@@ -89,6 +91,28 @@ TEST_F(LiveTarget, UpdatesMoveACopyThatGoesAway) {
     EXPECT_EQ(client_.get_scene(tests::kScene)->revision, before->revision + 2);
   }
   EXPECT_EQ(client_.get_scene(tests::kScene)->instances, before->instances);
+}
+
+TEST_F(LiveTarget, ACopyHasTheLabelsOfItsOriginal) {
+  const std::uint64_t nodes = client_.get_scene(tests::kScene)->nodes;
+  std::vector<std::uint64_t> ids(nodes + 1);
+  std::iota(ids.begin(), ids.end(), std::uint64_t{1});
+  auto originals = client_.get_nodes(tests::kScene, ids);
+  ASSERT_TRUE(originals) << originals.error().message;
+  std::vector<Update> labelled;
+  for (const NodeInfo& node : *originals) {
+    if (node.id == 0 || node.mesh_digest.empty()) continue;
+    labelled.emplace_back(PutNode{.node = node.id,
+                                  .parent = node.parent,
+                                  .mesh_digest = node.mesh_digest,
+                                  .labels = {{"class", "IfcDoor"}}});
+  }
+  ASSERT_TRUE(client_.apply(tests::kScene, labelled));
+  const auto copy = MovingCopy::add(client_, tests::kScene);
+  ASSERT_TRUE(copy) << copy.error().message;
+  const auto copied = client_.get_nodes(tests::kScene, {{nodes + 1}});
+  EXPECT_EQ(copied->front().name, MovingCopy::kName);
+  EXPECT_EQ(copied->front().labels, (std::vector<Label>{{"class", "IfcDoor"}}));
 }
 
 TEST_F(LiveTarget, ACopyThatWasLeftBehindIsReplaced) {

@@ -15,6 +15,7 @@ TEST(UpdateCodec, DecodesWhatItEncodes) {
   put.mesh_digest = "sha256:00/0";
   put.mobility = Mobility::kDeforming;
   put.mask = 6;
+  put.labels = {{"class", "IfcDoor"}, {"fire rating", ""}};
   const auto put_back = decode(encode(put));
   ASSERT_TRUE(put_back);
   const auto& node = std::get<PutNode>(*put_back);
@@ -25,6 +26,7 @@ TEST(UpdateCodec, DecodesWhatItEncodes) {
   EXPECT_EQ(node.mesh_digest, put.mesh_digest);
   EXPECT_EQ(node.mobility, Mobility::kDeforming);
   EXPECT_EQ(node.mask, 6U);
+  EXPECT_EQ(node.labels, put.labels);
 
   const SetTransforms set{{4, 5}, {kIdentity, put.parent_from_local}};
   const auto set_back = decode(encode(set));
@@ -41,6 +43,14 @@ TEST(UpdateCodec, DecodesWhatItEncodes) {
   const auto deleted = decode(encode(DeleteNode{9, true}));
   ASSERT_TRUE(deleted);
   EXPECT_TRUE(std::get<DeleteNode>(*deleted).subtree);
+}
+
+TEST(NodeCodec, DecodesLabels) {
+  v1::Node node;
+  v1::Label& label = *node.add_labels();
+  label.set_key("class");
+  label.set_value("IfcDoor");
+  EXPECT_EQ(decode(node).labels, (std::vector<Label>{{"class", "IfcDoor"}}));
 }
 
 TEST(UpdateCodec, UnreadableMessagesAreErrors) {

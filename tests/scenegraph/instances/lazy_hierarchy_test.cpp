@@ -15,6 +15,7 @@
 #include "tests/support/all_instances.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/compare_hits.h"
+#include "tests/support/rounds.h"
 
 namespace sightline::scenegraph::instances {
 namespace {
@@ -47,12 +48,12 @@ TEST_P(HierarchyInFrames, LazyOpeningEqualsFullOpeningAndTheOracle) {
     const auto updates = tests::random_hierarchy(400, GetParam(), seed);
     const auto opened = tests::snapshot_of(updates);
     (void)tests::all_instances(opened->trees().static_tree());
-    const std::vector<Ray> rays = tests::rays_through(*opened, 1000, seed);
+    const std::vector<Ray> rays = tests::rays_through(*opened, tests::rounds(1000), seed);
     const std::vector<Hit> expected = cast(*opened, rays);
     const tests::BruteForce oracle(opened);
     const auto compared = tests::compare(rays, expected, oracle);
     EXPECT_TRUE(compared.clean()) << compared.report();
-    EXPECT_GT(compared.hits, 100u);
+    EXPECT_GT(compared.hits, tests::rounds(1000) / 10);
     for (const int threads : {1, 2, 8}) {
       const auto cold = tests::snapshot_of(updates);
       tbb::task_arena arena(threads);

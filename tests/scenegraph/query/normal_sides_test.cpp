@@ -24,6 +24,7 @@
 #include "tests/support/brute_sides.h"
 #include "tests/support/hard_points.h"
 #include "tests/support/random.h"
+#include "tests/support/rounds.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::scenegraph::query {
@@ -457,7 +458,7 @@ class NormalSidesInFrames : public testing::TestWithParam<tests::Frames> {};
 TEST_P(NormalSidesInFrames, EqualTheDefinition) {
   const auto updates = tests::random_hierarchy(30, GetParam(), 3);
   const SharedSnapshot first = tests::snapshot_of(updates);
-  const std::vector<Vec3d> at = tests::hard_points(*first, 11, 600);
+  const std::vector<Vec3d> at = tests::hard_points(*first, 11, tests::rounds(600));
   const auto nearest = tests::BruteNearest(first).closest(at, kInfinity);
   const std::vector<tests::PlacedMesh> placed = tests::placed_meshes(*first);
   std::vector<std::vector<Side>> answers;

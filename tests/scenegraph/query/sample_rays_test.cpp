@@ -13,6 +13,7 @@
 #include "tests/scenegraph/put_node.h"
 #include "tests/support/hard_shapes.h"
 #include "tests/support/random.h"
+#include "tests/support/rounds.h"
 
 namespace sightline::scenegraph::query {
 namespace {
@@ -82,7 +83,8 @@ TEST(SampleRays, BuildWhatManyRaysNeedAndNoMore) {
 
 TEST(SampleRays, LeaveTheAnswersAsTheyAre) {
   for (const double width : {0.02, 0.3, 1.0}) {
-    for (const std::size_t count : {1u, 16u, 300u, 5000u}) {
+    for (const std::size_t count :
+         {std::size_t{1}, std::size_t{16}, std::size_t{300}, tests::rounds(5000)}) {
       const std::vector<Ray> rays = rays_at(width, count);
       std::vector<Hit> expected, hits;
       cast(*two_meshes(), rays, Growth::kNone, &expected);

@@ -19,6 +19,7 @@
 #include "tests/support/hard_points.h"
 #include "tests/support/kinds.h"
 #include "tests/support/random.h"
+#include "tests/support/rounds.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::scenegraph::query {
@@ -41,7 +42,7 @@ class Shards {
   Shards(SnapshotPointer snapshot, std::uint32_t shards)
       : snapshot_(std::move(snapshot)), cut_(std::make_shared<const ShardCut>(*snapshot_, shards)) {
     for (std::uint32_t i = 0; i < shards; ++i)
-      selections_.push_back(*Selection::make(snapshot_, 0, {}, {cut_, i}));
+      selections_.push_back(*Selection::make(snapshot_, 0, {}, {}, {cut_, i}));
   }
 
   ShardMerge ask(QueryKind kind, std::span<const Ray> rays, TraceOptions options,
@@ -219,7 +220,7 @@ TEST(ShardMerge, IsAsTheWholeSceneForPoints) {
     const auto snapshot = tests::snapshot_of(tests::random_hierarchy(60, frames, 13));
     std::vector<Ray> points;
     tests::Random random(6);
-    for (const accel::geometry::Vec3d& at : tests::hard_points(*snapshot, 14, 80)) {
+    for (const accel::geometry::Vec3d& at : tests::hard_points(*snapshot, 14, tests::rounds(80))) {
       points.push_back({.origin = at, .direction = {1, 0, 0}});
       if (random.below(3) == 0) points.back().tmax = random.uniform(-0.1, 3);
       if (random.below(4) == 0) points.back().mask = static_cast<std::uint32_t>(random.below(8));

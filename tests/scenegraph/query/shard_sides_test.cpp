@@ -18,6 +18,7 @@
 #include "tests/scenegraph/random_hierarchy.h"
 #include "tests/support/hard_points.h"
 #include "tests/support/random.h"
+#include "tests/support/rounds.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::scenegraph::query {
@@ -66,7 +67,7 @@ class SideShards {
   SideShards(SharedRevision snapshot, std::uint32_t shards)
       : snapshot_(std::move(snapshot)), cut_(std::make_shared<const ShardCut>(*snapshot_, shards)) {
     for (std::uint32_t i = 0; i < shards; ++i)
-      selections_.push_back(*Selection::make(snapshot_, 0, {}, {cut_, i}));
+      selections_.push_back(*Selection::make(snapshot_, 0, {}, {}, {cut_, i}));
   }
 
   MergedSides ask(std::span<const Ray> points, const SideQuestion& question,
@@ -145,7 +146,7 @@ void expect_sides_as_whole(const SharedRevision& snapshot, std::span<const Ray> 
 std::vector<Ray> points_to_merge(const revision::Snapshot& snapshot, std::uint64_t seed) {
   std::vector<Ray> points;
   tests::Random random(seed);
-  for (const Vec3d& at : tests::hard_points(snapshot, seed, 120)) {
+  for (const Vec3d& at : tests::hard_points(snapshot, seed, tests::rounds(120))) {
     points.push_back({.origin = at, .direction = {1, 0, 0}});
     if (random.below(3) == 0) points.back().tmax = random.uniform(-0.1, 3);
     if (random.below(4) == 0) points.back().mask = static_cast<std::uint32_t>(random.below(8));

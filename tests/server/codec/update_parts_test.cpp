@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,6 +24,8 @@ TEST(UpdateParts, NoUpdatesAreNoParts) { EXPECT_TRUE(encode_parts({}).empty()); 
 TEST(UpdateParts, SmallUpdatesShareAPart) {
   PutNode put;
   put.name = "four";
+  put.labels = std::make_shared<const std::vector<scenegraph::model::Label>>(
+      std::vector<scenegraph::model::Label>{{"class", "IfcWindow"}, {"storey", "2"}});
   const std::string encoded = encode_parts({DeleteNode{3, true}, put, DeleteNode{}});
   std::string_view parts = encoded;
   v1::WatchSceneResponse part;
@@ -34,6 +37,9 @@ TEST(UpdateParts, SmallUpdatesShareAPart) {
   EXPECT_EQ(part.updates(0).delete_node().node(), 3);
   EXPECT_TRUE(part.updates(0).delete_node().subtree());
   EXPECT_EQ(part.updates(1).put_node().name(), "four");
+  ASSERT_EQ(part.updates(1).put_node().labels_size(), 2);
+  EXPECT_EQ(part.updates(1).put_node().labels(1).key(), "storey");
+  EXPECT_EQ(part.updates(1).put_node().labels(1).value(), "2");
   EXPECT_TRUE(part.updates(2).has_delete_node());
 }
 

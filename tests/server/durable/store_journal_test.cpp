@@ -9,6 +9,7 @@
 
 #include "scenegraph/scene.h"
 #include "server/durable/batch_codec.h"
+#include "server/durable/nodes_codec.h"
 #include "tests/server/durable/life.h"
 
 namespace sightline::server::durable {
@@ -61,6 +62,29 @@ TEST_F(StoreJournalTest, BatchesAndMeshesAreKept) {
   ASSERT_TRUE(found);
   EXPECT_EQ(found->revision, 2u);
   EXPECT_EQ(found->nodes, (std::vector<scenegraph::model::NodeId>{2}));
+}
+
+TEST_F(StoreJournalTest, LabelsAreKeptInTheLogAndInTheNodes) {
+  using scenegraph::model::Label;
+  const auto labelled = [](scenegraph::model::NodeRef ref, const std::string& storey) {
+    scenegraph::model::PutNode node;
+    node.node = ref;
+    node.labels = std::make_shared<const std::vector<Label>>(
+        std::vector<Label>{{"class", "IfcWindow"}, {"storey", storey}});
+    return node;
+  };
+  ASSERT_TRUE(life_->scenes.create({.name = kName}));
+  apply({labelled(-1, "1")});
+  apply({labelled(1, "2")});
+  restart();
+  const std::vector<Label> newest{{"class", "IfcWindow"}, {"storey", "2"}};
+  EXPECT_EQ(*scene()->snapshot()->find(1)->labels, newest);
+  EXPECT_EQ((*(*scene()->at(1))->find(1)->labels)[1].value, "1");
+  NodesWriter writer({.snapshot = scene()->snapshot(), .next_id = 2});
+  NodesReader reader(life_->blobs);
+  for (std::string part = writer.next(kPartBytes); !part.empty(); part = writer.next(kPartBytes))
+    ASSERT_TRUE(reader.add(part));
+  EXPECT_EQ(*std::move(reader).finish(2).nodes.front().labels, newest);
 }
 
 TEST_F(StoreJournalTest, NodesAreWrittenDownAndTheLogIsCut) {

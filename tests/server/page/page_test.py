@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The live page in headless Chromium: cards, orbit, modes, picks, cells, prefetch, cool, tokens.
+"""The live page in headless Chromium: cards, orbit, modes, picks, cells, prefetch, cool, themes, tokens.
 
 page_test.py SIGHTLINED SIGHTLINE MODEL [--shots DIRECTORY]
 """
@@ -8,101 +8,15 @@ import hashlib
 import json
 import math
 import pathlib
-import shutil
-import subprocess
-import sys
 import tempfile
-import time
 import unittest
 
-from browser import Server, chromium, needs_browser
-
-webdriver = needs_browser()
-from selenium.webdriver.common.action_chains import ActionChains  # noqa: E402
-from selenium.webdriver.common.by import By  # noqa: E402
-from selenium.webdriver.common.keys import Keys  # noqa: E402
-from selenium.webdriver.support.ui import WebDriverWait  # noqa: E402
-
-PATIENCE = 60  # seconds: only a test that fails takes them
-SCENE = "projects/default/scenes/engine"
-SIGHTLINED, SIGHTLINE, MODEL = sys.argv[1:4]
-SHOTS = pathlib.Path(sys.argv[5]) if "--shots" in sys.argv else None
-
-
-def axe_source():
-    """The text of axe-core, or None where npm cannot fetch it."""
-    npm = shutil.which("npm")
-    if npm is None:
-        return None
-    with tempfile.TemporaryDirectory() as folder:
-        done = subprocess.run([npm, "pack", "axe-core@4"], cwd=folder, capture_output=True, check=False)
-        if done.returncode != 0:
-            return None
-        subprocess.run("tar xzf axe-core-*.tgz", shell=True, cwd=folder, check=True)
-        return pathlib.Path(folder, "package/axe.min.js").read_text(encoding="utf-8")
-
-
-class PageCase(unittest.TestCase):
-    """A server with one scene, none of it built, and its page."""
-
-    size = (1100, 900)
-    arguments = ()
-
-    @classmethod
-    def setUpClass(cls):
-        cls.server = Server(SIGHTLINED, SIGHTLINE, cls.arguments)
-        cls.addClassCleanup(cls.server.stop)
-        cls.server.run("scene", "import", "engine", MODEL)
-        cls.browser = cls.enterClassContext(chromium(webdriver, *cls.size))
-        cls.browser.get(cls.server.url)
-
-    def find(self, selector):
-        return self.browser.find_element(By.CSS_SELECTOR, selector)
-
-    def text(self, selector):
-        return self.find(selector).text
-
-    def until(self, condition):
-        """Waits until condition() is true, and returns what it returned."""
-        return WebDriverWait(self.browser, PATIENCE).until(lambda _: condition())
-
-    def open_scene(self):
-        self.until(lambda: self.browser.find_elements(By.CSS_SELECTOR, "#cards button"))
-        if not self.find("#viewer").is_displayed():
-            self.find("#cards button").click()
-        self.sharp()
-
-    def sharp(self):
-        """Waits until the camera rests and the picture is as fine as it gets."""
-        self.until(lambda: self.find("#picture").get_attribute("data-coarse") == "none")
-
-    def picture(self):
-        """A digest of the pixels."""
-        return self.browser.execute_script("return document.getElementById('picture').toDataURL()")
-
-    def facts(self, selector):
-        """The rows of a list of terms."""
-        rows = self.browser.execute_script(
-            "return [...document.querySelectorAll(arguments[0])].map(one => one.textContent)",
-            f"{selector} dt, {selector} dd")
-        return dict(zip(rows[::2], rows[1::2]))
-
-    def shot(self, name):
-        if SHOTS:
-            SHOTS.mkdir(parents=True, exist_ok=True)
-            self.browser.save_screenshot(str(SHOTS / f"{name}.png"))
-
-    def check_accessible(self):
-        """By axe-core; the test is skipped where npm cannot fetch it."""
-        source = axe_source()
-        if source is None:
-            self.skipTest("npm cannot fetch axe-core")
-        self.browser.execute_script(source)
-        found = self.browser.execute_async_script("axe.run().then(arguments[0])")
-        self.assertEqual([(one["id"], [node["html"] for node in one["nodes"]]) for one in found["violations"]], [])
-
-    def errors(self):
-        return [entry for entry in self.browser.get_log("browser") if entry["level"] == "SEVERE"]
+from browser import Server, chromium
+from page_case import PATIENCE, SIGHTLINE, SIGHTLINED, PageCase, run_tests, webdriver
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.ui import WebDriverWait
 
 
 class Page(PageCase):
@@ -156,7 +70,7 @@ class Page(PageCase):
         ray = ",".join(repr(v) for v in [*eye, *(d / length for d in direction)])
         row = self.server.run("cast", "engine", "--in", "-", "--out", "-", "--fields", "t,node,primitive",
                               stdin=ray + "\n").strip().split("\n")[-1].split(",")
-        self.assertEqual(picked["Node"].split()[0], row[1])
+        self.assertEqual(picked["Node"], row[1])
         self.assertEqual(picked["Primitive"], row[2])
         self.assertAlmostEqual(float(picked["t"]), float(row[0]), delta=1e-9 * float(row[0]))
 
@@ -187,7 +101,27 @@ class Page(PageCase):
         before = self.text("#counters")
         self.until(lambda: self.text("#counters") != before)
 
-    def test_8_accessible_and_without_errors(self):
+    def ground(self):
+        return self.browser.execute_script("return getComputedStyle(document.body).backgroundColor")
+
+    def test_8_light_and_dark(self):
+        emulate = "Emulation.setEmulatedMedia"
+        light, dark = "rgb(247, 247, 245)", "rgb(20, 23, 26)"
+        for system, ground in (("dark", dark), ("light", light)):
+            self.browser.execute_cdp_cmd(emulate, {"features": [{"name": "prefers-color-scheme", "value": system}]})
+            self.until(lambda ground=ground: self.ground() == ground)
+        self.find("#theme option:last-child").click()
+        self.until(lambda: self.ground() == dark)
+        self.browser.refresh()
+        self.until(lambda: self.ground() == dark)
+        self.assertEqual(self.find("#theme").get_attribute("value"), "dark")
+        self.open_scene()
+        self.shot("dark")
+        self.check_accessible()
+        self.find("#theme option:first-child").click()
+        self.until(lambda: self.ground() == light)
+
+    def test_9_accessible_and_without_errors(self):
         self.open_scene()
         self.assertEqual(self.errors(), [])
         self.check_accessible()
@@ -246,7 +180,4 @@ class GuardedPage(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    began = time.monotonic()
-    result = unittest.main(argv=sys.argv[:1], exit=False, verbosity=2).result
-    print(f"page: {result.testsRun} tests, {time.monotonic() - began:.0f} s")
-    sys.exit(0 if result.wasSuccessful() else 1)
+    run_tests("page")

@@ -170,6 +170,39 @@ TEST(DecodeQuery, NamesTheLimitThatIsExceeded) {
             std::string::npos);
 }
 
+TEST(DecodeQuery, DecodesLabels) {
+  v1::QueryPointsRequest request;
+  v1::LabelMatch& match = *request.add_exclude_labels();
+  match.set_key("class");
+  EXPECT_TRUE(decode_query(request, {})->selects());
+  match.set_value("");
+  EXPECT_TRUE(decode_query(request, {})->selects());
+  request.clear_exclude_labels();
+  request.add_only_labels()->set_key("class");
+  EXPECT_TRUE(decode_query(request, {})->selects());
+}
+
+TEST(DecodeQuery, RefusesLabelsThatNoNodeCanHave) {
+  v1::CastRaysRequest request;
+  for (int i = 0; i < kMaxLabelMatches; ++i) request.add_only_labels()->set_key("class");
+  EXPECT_TRUE(decode_query(request, {}));
+  request.add_only_labels()->set_key("class");
+  EXPECT_EQ(decode_query(request, {}).error().message,
+            "only_labels has 65 labels, the limit is 64");
+  EXPECT_EQ(decode_query(request, {}).error().reason, "TOO_MANY_LABELS");
+  request.clear_only_labels();
+  v1::LabelMatch& match = *request.add_exclude_labels();
+  EXPECT_EQ(decode_query(request, {}).error().message, "exclude_labels: a label has an empty key");
+  EXPECT_EQ(decode_query(request, {}).error().reason, "LABEL_KEY_EMPTY");
+  match.set_key(std::string(65, 'k'));
+  EXPECT_EQ(decode_query(request, {}).error().reason, "LABEL_KEY_TOO_LONG");
+  match.set_key("class");
+  match.set_value(std::string(257, 'v'));
+  EXPECT_EQ(decode_query(request, {}).error().reason, "LABEL_VALUE_TOO_LONG");
+  match.set_value("Ifc\nWindow");
+  EXPECT_EQ(decode_query(request, {}).error().reason, "LABEL_CONTROL_CHARACTER");
+}
+
 TEST(DecodeQuery, OnlyKindAllHasALimitOfHits) {
   v1::CastRaysRequest request = request_of(v1::QUERY_KIND_COUNT);
   request.set_max_hits(5);

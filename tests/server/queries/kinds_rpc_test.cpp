@@ -293,5 +293,38 @@ TEST_F(KindsRpcTest, SeesOnlyNodesUnderTheRootWithoutExclusions) {
   EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::NOT_FOUND);
 }
 
+TEST_F(KindsRpcTest, LabelsSelectAtTheRevisionThatAnswers) {
+  ASSERT_TRUE(api_.create(kScene).ok());
+  const std::string sheet = api_.add_mesh(planar_sheet(1));
+  const auto labelled = [&](std::int64_t id, const char* value) {
+    v1::Update put = put_node(id, sheet);
+    v1::Label& label = *put.mutable_put_node()->add_labels();
+    label.set_key("class");
+    label.set_value(value);
+    return put;
+  };
+  ASSERT_TRUE(
+      api_.apply(kScene, {labelled(-1, "window"), labelled(-2, "wall"), put_node(-3, sheet)}).ok());
+  v1::CastRaysRequest request = cast_request(kScene, rays_downward(1));
+  request.set_kind(v1::QUERY_KIND_COUNT);
+  const auto count = [&] {
+    return column_values<std::uint32_t>(api_.cast(request), v1::HIT_FIELD_COUNT)[0];
+  };
+  EXPECT_EQ(count(), 3u);
+  v1::LabelMatch& match = *request.add_exclude_labels();
+  match.set_key("class");
+  EXPECT_EQ(count(), 1u);
+  match.set_value("window");
+  EXPECT_EQ(count(), 2u);
+  *request.add_only_labels() = match;
+  EXPECT_EQ(count(), 0u);
+  request.clear_exclude_labels();
+  EXPECT_EQ(count(), 1u);
+  ASSERT_TRUE(api_.apply(kScene, {labelled(2, "window")}).ok());
+  EXPECT_EQ(count(), 2u);
+  request.mutable_only_labels(0)->clear_key();
+  EXPECT_EQ(reason_of(fail(request)), "LABEL_KEY_EMPTY");
+}
+
 }  // namespace
 }  // namespace sightline::tests

@@ -174,6 +174,20 @@ TEST_F(PrefetchRpcTest, BuildsOnlyUnderTheRootsWithoutExclusions) {
   EXPECT_EQ(prefetched(request).meshes_total(), 0u);
 }
 
+TEST_F(PrefetchRpcTest, BuildsOnlyWhatLabelsSelect) {
+  make_two_groups();
+  v1::Update group = put_node(3);
+  group.mutable_put_node()->add_labels()->set_key("class");
+  ASSERT_TRUE(api_.apply(kScene, {group}).ok());
+  v1::PrefetchRequest request = prefetch_of(kScene);
+  request.add_exclude_labels()->set_key("class");
+  EXPECT_EQ(prefetched(request).triangles_done(), 12u);
+  *request.mutable_only_labels() = request.exclude_labels();
+  EXPECT_EQ(prefetched(request).meshes_total(), 0u);
+  request.clear_exclude_labels();
+  EXPECT_EQ(prefetched(request).triangles_done(), 512u);
+}
+
 TEST_F(PrefetchRpcTest, BuildsOnlyTheCellsThatRaysEnter) {
   api_.make_scene(kScene, planar_sheet(64));
   const std::vector<accel::geometry::Ray> rays = rays_downward(300);

@@ -86,7 +86,7 @@ class Shards : public ReplicaTest {
   }
   Api& api(std::size_t shard) { return servers_[shard]->api(); }
 
-  /// Spheres and cubes, some of them under a group, with names. Each has transform(i).
+  /// Spheres and cubes, some of them under a group, with names and labels. Each has transform(i).
   template <class Transform>
   void make_scene(int nodes, const Transform& transform) {
     Api& writer = plain_->api();
@@ -96,6 +96,9 @@ class Shards : public ReplicaTest {
     for (int i = 0; i < nodes; ++i) {
       updates.push_back(put_node(-2 - i, meshes[i % 2], i % 3 == 0 ? -1 : 0, transform(i)));
       updates.back().mutable_put_node()->set_name("node " + std::to_string(i));
+      v1::Label& label = *updates.back().mutable_put_node()->add_labels();
+      label.set_key("color");
+      label.set_value(i % 5 < 2 ? "red" : "blue");
     }
     const grpc::Status applied = writer.apply(kScene, updates);
     ASSERT_TRUE(applied.ok()) << applied.error_message();

@@ -107,6 +107,13 @@ TEST_F(Shards, AnswerAsOneServerForEachKindOfRequest) {
   request.set_culling(v1::CULLING_BACK);
   request.set_build(v1::BUILD_MODE_FULL);
   expect_as_one_server(request);
+  v1::LabelMatch& red = *request.add_only_labels();
+  red.set_key("color");
+  red.set_value("red");
+  expect_as_one_server(request);
+  request.mutable_exclude_labels()->Swap(request.mutable_only_labels());
+  expect_as_one_server(request);
+  request.clear_exclude_labels();
   request.mutable_rays()->clear_origins();
   request.set_root(9999);
   v1::CastRaysResponse reply;

@@ -44,6 +44,20 @@ TEST(AppliedUpdates, ReferToEveryNodeByItsId) {
   EXPECT_EQ(std::get<DeleteNode>(updates[6]).node, 102);
 }
 
+TEST(AppliedUpdates, CountLabelsThatAreReplaced) {
+  Scene scene;
+  PutNode labelled = tests::put_node(-1, 0, nullptr);
+  labelled.labels = std::make_shared<const std::vector<scenegraph::model::Label>>(
+      std::vector<scenegraph::model::Label>{{"class", "IfcWindow"}});
+  const std::uint64_t bytes = scenegraph::model::bytes_of_labels(labelled.labels);
+  EXPECT_EQ(bytes_of_names({labelled}), bytes);
+  ASSERT_TRUE(scene.apply({labelled, tests::put_node(-2, 0, nullptr)}));
+  const Replaced with = bytes_replaced(*scene.snapshot(), {DeleteNode{1}});
+  const Replaced without = bytes_replaced(*scene.snapshot(), {DeleteNode{2}});
+  EXPECT_EQ(with.names - without.names, bytes);
+  EXPECT_EQ(with.bytes - without.bytes, bytes) << "the earlier revision keeps them";
+}
+
 /// Their sums are recomputed by every update below them.
 TEST(AppliedUpdates, CountTheGroupsAboveOnce) {
   Scene scene;

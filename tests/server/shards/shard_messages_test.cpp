@@ -46,6 +46,8 @@ TEST(ShardMessages, AskForCrossingsByTheSameRule) {
   asked.set_scene("scenes/a");
   asked.set_root(5);
   asked.add_exclude(7);
+  asked.add_only_labels()->set_key("storey");
+  asked.add_exclude_labels()->set_value("glass");
   asked.set_build(v1::BUILD_MODE_NONE);
   asked.add_fields(v1::HIT_FIELD_VOTES);
   asked.set_side_rule(v1::SIDE_RULE_WINDING);

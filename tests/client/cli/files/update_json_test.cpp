@@ -46,6 +46,19 @@ TEST(UpdateJson, ReadsAllKinds) {
   EXPECT_TRUE(std::get<DeleteNode>(*deleted).subtree);
 }
 
+TEST(UpdateJson, LabelsAreAnObjectOfStrings) {
+  const std::string text =
+      R"({"put_node":{"node":-1,"parent":0,"name":"","mobility":"static","labels":{"b":"2","a":""}}})";
+  const auto put = parse_update(text);
+  ASSERT_TRUE(put) << put.error().message;
+  EXPECT_EQ(std::get<PutNode>(*put).labels, (std::vector<Label>{{"b", "2"}, {"a", ""}}));
+  EXPECT_EQ(json_of(*put, false).dump(), text);
+  EXPECT_EQ(error_of(R"({"put_node": {"node": -1, "labels": [1]}})"),
+            "put_node.labels is no object");
+  EXPECT_EQ(error_of(R"({"put_node": {"node": -1, "labels": {"a": 1}}})"),
+            "put_node.labels has at 'a' what is no string");
+}
+
 TEST(UpdateJson, OmittedKeysHaveTheMessagesDefaults) {
   const auto put = parse_update(R"({"put_node": {"node": -1}})");
   ASSERT_TRUE(put) << put.error().message;

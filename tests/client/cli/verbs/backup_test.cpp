@@ -39,7 +39,8 @@ class Backup : public testing::Test {
     const std::string file = dir_.write("square.obj", kSquare);
     ASSERT_EQ(run_program({"scene", "import", name, file}).exit, 0);
     while (revision(name) < revisions) {
-      const json put{{"put_node", {{"node", -1}, {"name", "another"}}}};
+      const json put{
+          {"put_node", {{"node", -1}, {"name", "another"}, {"labels", {{"class", name}}}}}};
       const std::string ops = dir_.write("ops.ndjson", put.dump() + "\n");
       const auto updated = run_program({"update", name, "--file", ops});
       ASSERT_EQ(updated.exit, 0) << updated.err;
@@ -48,6 +49,9 @@ class Backup : public testing::Test {
   static json show(const std::string& name) {
     const auto shown = run_program({"scene", "show", name, "--json"});
     return shown.exit == 0 ? json::parse(shown.out) : json{};
+  }
+  static json nodes(const std::string& name) {
+    return json::parse(run_program({"scene", "nodes", name, "--json"}).out)["nodes"];
   }
   static int revision(const std::string& name) { return show(name)["revision"]; }
 
@@ -59,6 +63,8 @@ TEST_F(Backup, ScenesOfALostDirectoryComeBack) {
   make_scene("a", 4);
   make_scene("b", 3);
   const json before = show("a");
+  const json nodes_before = nodes("a");
+  EXPECT_EQ(nodes_before.back()["labels"], (json{{"class", "a"}}));
   const auto backed_up = run_program({"backup", dir_.path("backup"), "--json"});
   ASSERT_EQ(backed_up.exit, 0) << backed_up.err;
   const json rows = json::parse(backed_up.out)["scenes"];
@@ -72,6 +78,7 @@ TEST_F(Backup, ScenesOfALostDirectoryComeBack) {
   ASSERT_EQ(restored.exit, 0) << restored.err;
   EXPECT_EQ(json::parse(restored.out)["scenes"].size(), 2u);
   EXPECT_EQ(show("a"), before);
+  EXPECT_EQ(nodes("a"), nodes_before);
   EXPECT_EQ(revision("b"), 3);
 }
 

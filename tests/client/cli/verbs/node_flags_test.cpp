@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,32 @@ TEST_F(NodeFlags, RaysAndPointsSeeTheSameNodes) {
     EXPECT_EQ(run(verb, {"--under", "high", "--exclude", "low"}).out, "3\n") << verb[0];
     EXPECT_EQ(run(verb, {"--exclude", "high", "low"}).out, "inf\n") << verb[0];
     EXPECT_EQ(run(verb, {"--exclude", "high", "--exclude", "low"}).out, "inf\n") << verb[0];
+  }
+}
+
+TEST_F(NodeFlags, LabelsSelectNodes) {
+  const auto nodes =
+      nlohmann::json::parse(run_program({"scene", "nodes", "s", "--json"}).out)["nodes"];
+  std::string lines;
+  for (const auto& node : nodes) {
+    nlohmann::json put = node;
+    for (const char* key : {"id", "patched"}) put.erase(key);
+    put["node"] = node["id"];
+    put["labels"] = {{"level", node["name"]}, {"a=b", "c=d"}};
+    lines += nlohmann::json{{"put_node", put}}.dump() + "\n";
+  }
+  ASSERT_EQ(run_program({"update", "s", "--file", dir_.write("labels.ndjson", lines)}).exit, 0);
+  for (const auto& verb : verbs_) {
+    EXPECT_EQ(run(verb, {"--exclude-label", "level=high"}).out, "8\n") << verb[0];
+    EXPECT_EQ(run(verb, {"--only-label", "level=low"}).out, "8\n") << verb[0];
+    EXPECT_EQ(run(verb, {"--only-label", "level=low", "level=high"}).out, "3\n") << verb[0];
+    EXPECT_EQ(run(verb, {"--exclude-label", "level"}).out, "inf\n") << verb[0];
+    EXPECT_EQ(run(verb, {"--exclude-label", "level="}).out, "3\n") << verb[0];
+    EXPECT_EQ(run(verb, {"--only-label", "a=b=c=d"}).out, "inf\n") << "a key has no '='";
+    EXPECT_EQ(run(verb, {"--exclude-label", "=high"}).exit, 2) << verb[0];
+    EXPECT_EQ(run(verb, {"--only-label", ""}).exit, 2) << verb[0];
+    EXPECT_NE(run(verb, {"--only-label", std::string(65, 'k')}).err.find("the limit is 64"),
+              std::string::npos);
   }
 }
 
