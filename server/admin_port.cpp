@@ -1,4 +1,4 @@
-// The probes, the metrics and the live page of a server, over HTTP.
+// The probes, the metrics, the live page and the calls in JSON of a server, over HTTP.
 #include "server/admin_port.h"
 
 #include <fmt/format.h>
@@ -13,6 +13,14 @@
 namespace sightline::server {
 
 Status AdminPort::check(const ServerConfig& config) {
+  if (config.json_calls && config.admin.empty())
+    return Error{Code::kInvalidArgument, "--json-calls needs the port of --admin", "NO_ADMIN_PORT"};
+  if (config.json_calls && !config.tls.client_ca.empty()) {
+    return Error{Code::kInvalidArgument,
+                 "--json-calls and --tls-client-ca exclude each other: the admin port asks its "
+                 "clients for no certificate",
+                 "JSON_WITHOUT_CERTIFICATES"};
+  }
   if (config.admin.empty()) return {};
   const auto address = net::ListenAddress::parse(config.admin);
   if (!address) return address.error();
@@ -35,9 +43,10 @@ Status AdminPort::open(const std::shared_ptr<grpc::Channel>& services) {
   tunnel_ = std::make_unique<admin::Tunnel>(
       services, admin::Tunnel::Access{.tokens = !config_.tokens.empty(),
                                       .certificates = !config_.tls.client_ca.empty()});
+  if (config_.json_calls) json_ = std::make_unique<admin::JsonCalls>(*tunnel_);
   http_ = std::make_unique<admin::HttpServer>(
       std::move(listening->sockets), admin::pages(readiness_, [this] { return metrics_text(); }),
-      tunnel_.get());
+      tunnel_.get(), json_.get());
   return {};
 }
 

@@ -1,4 +1,4 @@
-// The probes, the metrics and the live page of a server, over HTTP.
+// The probes, the metrics, the live page and the calls in JSON of a server, over HTTP.
 #pragma once
 
 #include <grpcpp/channel.h>
@@ -9,6 +9,7 @@
 
 #include "proto/result.h"
 #include "server/admin/http_server.h"
+#include "server/admin/json_calls.h"
 #include "server/admin/readiness.h"
 #include "server/admin/tunnel.h"
 #include "server/config.h"
@@ -21,7 +22,8 @@ namespace sightline::server {
 class AdminPort {
  public:
   /// Whether ServerConfig::admin may be listened on. Errors: kInvalidArgument (not an address, or
-  /// one that other machines can reach without `insecure`: the port is never encrypted).
+  /// one that other machines can reach without `insecure`: the port is never encrypted; calls in
+  /// JSON without an address, or where clients need certificates, which HTTP does not carry).
   static Status check(const ServerConfig& config);
 
   /// All arguments outlive this object.
@@ -35,7 +37,7 @@ class AdminPort {
   /// Errors: kUnavailable (the port cannot be bound), as check().
   Status open(const std::shared_ptr<grpc::Channel>& services);
 
-  /// The live page makes no calls any more; probes and metrics are answered. Call it before the
+  /// Nothing makes calls any more; probes and metrics are answered. Call it before the
   /// services shut down.
   void stop_page();
 
@@ -51,6 +53,7 @@ class AdminPort {
   std::uint16_t port_ = 0;
   net::SocketFile socket_file_;
   std::unique_ptr<admin::Tunnel> tunnel_;
+  std::unique_ptr<admin::JsonCalls> json_;  // uses the tunnel
   std::unique_ptr<admin::HttpServer> http_;
 };
 

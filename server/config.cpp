@@ -111,6 +111,8 @@ void add_operations_flags(CLI::App& app, ServerConfig& config) {
          "--admin", config.admin,
          "HOST:PORT or unix:PATH of /livez, /readyz and /metrics over HTTP; port 0 picks one")
       ->check(CLI::Validator(check_address, "HOST:PORT"));
+  app.add_flag("--json-calls", config.json_calls,
+               "Answer POST /v1/json/CALL at --admin: unary calls in JSON, with the same tokens");
   app.add_flag("--metrics-per-scene", config.metrics_per_scene,
                "Metrics with a label for each scene");
   add_time(app, "--slow-query-ms", config.slow_query,

@@ -43,7 +43,8 @@ struct ServerConfig {
   int max_prefetches = 4;  ///< Prefetches at a time, 0 to kMaxPrefetches.
   exec::QuotaConfig quotas;
   segments::Offer segments = segments::Offer::kUnix;  ///< With `shard_peers` none are offered.
-  std::string admin;  ///< HOST:PORT for probes, metrics and the live page. Empty: none.
+  std::string admin;        ///< HOST:PORT for probes, metrics and the live page. Empty: none.
+  bool json_calls = false;  ///< Unary calls in JSON, at `admin`.
   bool metrics_per_scene = false;              ///< Metrics with a label for the scene.
   std::chrono::milliseconds slow_query{1000};  ///< Slower ones are logged. 0: none.
   /// A connection of this age is asked to end, and ended kConnectionGrace later. 0: none.

@@ -1,4 +1,4 @@
-// HTTP/1.1 for probes, metrics and the live page, and the WebSockets of that page.
+// HTTP/1.1 for probes, metrics, calls in JSON and the live page, and the WebSockets of that page.
 #include "server/admin/http_server.h"
 
 #include <sys/socket.h>
@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "server/admin/http_session.h"
+#include "server/admin/json_calls.h"
 #include "server/admin/page_thread.h"
 #include "server/admin/tunnel.h"
 
@@ -21,8 +22,9 @@ constexpr std::chrono::milliseconds kPause{100};
 
 }  // namespace
 
-HttpServer::HttpServer(std::vector<net::Descriptor> listeners, Handler handler, Tunnel* tunnel)
-    : tunnel_(tunnel), pages_(std::make_unique<PageThread>(std::move(handler))) {
+HttpServer::HttpServer(std::vector<net::Descriptor> listeners, Handler handler, Tunnel* tunnel,
+                       JsonCalls* json)
+    : tunnel_(tunnel), json_(json), pages_(std::make_unique<PageThread>(std::move(handler))) {
   for (net::Descriptor& one : listeners) {
     Listener& listener = listeners_.emplace_back(
         Listener{boost::asio::posix::stream_descriptor(context_, one.release()),
@@ -36,6 +38,7 @@ HttpServer::~HttpServer() {
   context_.stop();
   thread_.join();
   if (tunnel_ != nullptr) tunnel_->end_calls();  // their events need the context
+  if (json_ != nullptr) json_->join();           // so do its replies
 }
 
 void HttpServer::wait_at(Listener& listener) {
@@ -59,7 +62,7 @@ void HttpServer::accept_from(Listener& listener) {
   if (!socket) return;
   std::erase_if(sessions_, [](const auto& one) { return one.expired(); });
   if (sessions_.size() >= kMaxConnections) close_one();
-  sessions_.push_back(HttpSession::start(context_, std::move(socket), *pages_, tunnel_));
+  sessions_.push_back(HttpSession::start(context_, std::move(socket), *pages_, tunnel_, json_));
 }
 
 /// Closes a probe last: it gets its reply whatever floods the port.

@@ -1,4 +1,4 @@
-// HTTP/1.1 for probes, metrics and the live page, and the WebSockets of that page.
+// HTTP/1.1 for probes, metrics, calls in JSON and the live page, and the WebSockets of that page.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -25,17 +25,20 @@ struct HttpReply {
   int code = 200;
   std::string body;
   std::string type = "text/plain; charset=utf-8";
+  bool retry = false;               ///< Whether the same may be asked again soon.
+  std::string allow = "GET, HEAD";  ///< With code 405: the methods that there are.
 };
 
 class HttpSession;
+class JsonCalls;
 class PageThread;
 class Tunnel;
 
 /// Answers GET and HEAD, one request a connection, from one thread; /livez itself, all else by a
-/// handler on a second one, which may wait. What a peer may do is limited: the connections at a
-/// time, the bytes of a request, and the time until its reply is read. When all connections are
-/// taken, the oldest of the address that has most is closed, but a probe last of all. WebSockets
-/// have limits of their own: see Tunnel.
+/// handler on a second one, which may wait. POST is for JsonCalls. What a peer may do is limited:
+/// the connections at a time, the bytes of a request, and the time until its reply is read. When
+/// all connections are taken, the oldest of the address that has most is closed, but a probe last
+/// of all. WebSockets have limits of their own: see Tunnel.
 class HttpServer {
  public:
   static constexpr std::size_t kMaxConnections = 32;
@@ -47,8 +50,10 @@ class HttpServer {
   using Handler = std::function<HttpReply(std::string_view path)>;
 
   /// Answers from now on. `listeners` do not block. `tunnel` outlives this object; null: there are
-  /// no WebSockets.
-  HttpServer(std::vector<net::Descriptor> listeners, Handler handler, Tunnel* tunnel = nullptr);
+  /// no WebSockets. `json`, which makes its calls by `tunnel`, outlives it, too; null: there are no
+  /// calls in JSON.
+  HttpServer(std::vector<net::Descriptor> listeners, Handler handler, Tunnel* tunnel = nullptr,
+             JsonCalls* json = nullptr);
   /// Closes all connections.
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
@@ -65,6 +70,7 @@ class HttpServer {
   void accept_from(Listener& listener);
 
   Tunnel* const tunnel_;
+  JsonCalls* const json_;
   boost::asio::io_context context_{1};
   std::unique_ptr<PageThread> pages_;  // ends before the context, to which it sends pages
   std::list<Listener> listeners_;

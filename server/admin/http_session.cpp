@@ -17,9 +17,13 @@
 #include <string>
 #include <utility>
 
+#include "server/admin/json_call.h"
+#include "server/admin/json_codec.h"
 #include "server/admin/tunnel.h"
 #include "server/admin/web_socket.h"
 #include "server/exec/caller.h"
+#include "server/exec/rpc_status.h"
+#include "server/exec/trace_context.h"
 
 namespace sightline::server::admin {
 
@@ -76,6 +80,17 @@ Stream make_stream(boost::asio::io_context& context, net::Descriptor socket) {
   return stream;
 }
 
+/// Whether a Content-Type is that of JSON.
+bool is_json_type(boost::beast::string_view field) {
+  const std::string_view all(field.data(), field.size());
+  std::string type;
+  for (const char c : all) {
+    if (c != ' ' && c != '\t' && c != '"')
+      type += c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
+  }
+  return type == "application/json" || type == "application/json;charset=utf-8";
+}
+
 /// Whether the peer sent something else than HTTP; false if it has gone.
 bool is_malformed(const error_code& error) {
   return error.category() == error_code(http::error::bad_method).category() &&
@@ -86,20 +101,23 @@ bool is_malformed(const error_code& error) {
 
 std::shared_ptr<HttpSession> HttpSession::start(boost::asio::io_context& context,
                                                 net::Descriptor socket, PageThread& pages,
-                                                Tunnel* tunnel) {
-  std::shared_ptr<HttpSession> made(new HttpSession(context, std::move(socket), pages, tunnel));
+                                                Tunnel* tunnel, JsonCalls* json) {
+  std::shared_ptr<HttpSession> made(
+      new HttpSession(context, std::move(socket), pages, tunnel, json));
   made->read();
   return made;
 }
 
 HttpSession::HttpSession(boost::asio::io_context& context, net::Descriptor socket,
-                         PageThread& pages, Tunnel* tunnel)
+                         PageThread& pages, Tunnel* tunnel, JsonCalls* json)
     : stream_(make_stream(context, std::move(socket))),
       peer_(peer_name(stream_.socket().native_handle())),
       address_(exec::caller_of(peer_).principal),
       pages_(pages),
-      tunnel_(tunnel) {
+      tunnel_(tunnel),
+      json_(json) {
   parser_.header_limit(HttpServer::kMaxRequest);
+  parser_.body_limit(JsonCalls::kMaxBody);
 }
 
 void HttpSession::close() { stream_.close(); }
@@ -111,12 +129,14 @@ void HttpSession::read() {
         if (!error) return self->answer();
         if (error == http::error::header_limit || error == http::error::buffer_overflow)
           return self->write({.code = 431, .body = "the request is too large\n"});
+        if (error == http::error::body_limit) return self->refuse_size();
         if (is_malformed(error)) self->write({.code = 400, .body = "this is not HTTP/1.1\n"});
       });
 }
 
 void HttpSession::answer() {
   const auto& request = parser_.get();
+  if (is_json()) return read_json();
   if (request.method() != http::verb::get && request.method() != http::verb::head)
     return write({.code = 405, .body = "only GET and HEAD are answered\n"});
   const std::string_view target(request.target().data(), request.target().size());
@@ -153,17 +173,117 @@ void HttpSession::upgrade() {
   WebSocket::start(std::move(stream_), parser_.release(), *tunnel_, peer_);
 }
 
+bool HttpSession::is_json() const {
+  return json_ != nullptr && parser_.get().target().starts_with(
+                                 boost::beast::string_view(kJsonPath.data(), kJsonPath.size()));
+}
+
+void HttpSession::refuse_size() {
+  HttpReply reply{.code = 413,
+                  .body = fmt::format("a body of more than {} bytes\n", JsonCalls::kMaxBody)};
+  if (body_ || is_json()) {
+    reply = json_error({Code::kResourceExhausted,
+                        fmt::format("the body has more than {} bytes", JsonCalls::kMaxBody),
+                        "BODY_TOO_LARGE"});
+    reply.code = 413;
+  }
+  write(reply);
+}
+
+/// What the headers of a call must be.
+Result<JsonCalls::Request> HttpSession::json_request() const {
+  const auto& request = parser_.get();
+  const auto field = [&](auto name) {
+    const auto value = request[name];
+    return std::string(value.data(), value.size());
+  };
+  if (Status may = json_->check(field(http::field::origin), field(http::field::host)); !may)
+    return may.error();
+  JsonCalls::Request call;
+  call.authorization = field(http::field::authorization);
+  call.peer = peer_;
+  call.timeout = field("Grpc-Timeout");
+  for (const char* name : {"Authorization", "Grpc-Timeout", exec::kTraceParent, exec::kRequestId}) {
+    if (request.count(name) < 2) continue;
+    return exec::invalid_argument(fmt::format("the header {} is there twice", name), "BAD_HEADER");
+  }
+  for (const char* name : {exec::kTraceParent, exec::kRequestId}) {
+    if (request.count(name) == 1) call.metadata.emplace_back(name, field(name));
+  }
+  const auto target = request.target();
+  call.method = std::string(target.data(), target.size()).substr(kJsonPath.size());
+  return call;
+}
+
+void HttpSession::read_json() {
+  const auto& request = parser_.get();
+  const auto refuse = [&](int code, std::string message, std::string reason) {
+    HttpReply reply = json_error(exec::invalid_argument(std::move(message), std::move(reason)));
+    reply.code = code;
+    reply.allow = "POST";
+    write(reply);
+  };
+  if (request.method() != http::verb::post)
+    return refuse(405, "a call in JSON is made by POST", "BAD_HTTP_METHOD");
+  if (!is_json_type(request[http::field::content_type]) ||
+      request.count(http::field::content_encoding) != 0)
+    return refuse(415, "the body of a call is application/json in UTF-8, not compressed",
+                  "BAD_CONTENT_TYPE");
+  auto call = json_request();
+  if (!call) return write(json_error(call.error()));
+  if (const auto method = json_method(call->method); !method)
+    return write(json_error(method.error()));
+  body_.emplace(std::move(parser_));
+  body_->body_limit(JsonCalls::kMaxBody);
+  http::async_read(stream_, buffer_, *body_,
+                   [self = shared_from_this(), call = *std::move(call)](const error_code& error,
+                                                                        std::size_t) mutable {
+                     if (!error) return self->call(std::move(call));
+                     if (error == http::error::body_limit) return self->refuse_size();
+                     if (is_malformed(error))
+                       self->write(json_error(exec::invalid_argument(
+                           "the body's chunks are not as HTTP/1.1 has them", "BAD_BODY")));
+                   });
+}
+
+void HttpSession::call(JsonCalls::Request request) {
+  request.body = std::move(body_->get().body());
+  stream_.expires_never();
+  call_ = json_->begin(std::move(request), [self = shared_from_this()](const HttpReply& reply) {
+    boost::asio::post(self->stream_.get_executor(), [self, reply] {
+      self->answered_ = true;
+      self->write(reply);
+    });
+  });
+  watch();
+}
+
+/// Cancels the call if the peer goes before it has its answer.
+void HttpSession::watch() {
+  stream_.socket().async_wait(
+      boost::asio::socket_base::wait_read, [self = shared_from_this()](const error_code& error) {
+        if (self->answered_) return;
+        char byte = 0;
+        const bool sent_more = !error && recv(self->stream_.socket().native_handle(), &byte, 1,
+                                              MSG_PEEK | MSG_DONTWAIT) > 0;
+        if (sent_more) return;  // a second request, which no one reads
+        if (const auto call = self->call_.lock()) call->cancel();
+      });
+}
+
 void HttpSession::write(const HttpReply& reply) {
   response_ = Response(static_cast<http::status>(reply.code), 11);
   response_.set(http::field::content_type, reply.type);
   response_.set(http::field::cache_control, "no-store");
   response_.set("X-Content-Type-Options", "nosniff");
   response_.set("Content-Security-Policy", kContentPolicy);
-  if (reply.code == 405) response_.set(http::field::allow, "GET, HEAD");
+  if (reply.code == 405) response_.set(http::field::allow, reply.allow);
+  if (reply.code == 401) response_.set(http::field::www_authenticate, "Bearer");
+  if (reply.retry) response_.set(http::field::retry_after, "1");
   response_.keep_alive(false);
   response_.body() = reply.body;
   response_.prepare_payload();
-  if (parser_.is_header_done() && parser_.get().method() == http::verb::head)
+  if (!body_ && parser_.is_header_done() && parser_.get().method() == http::verb::head)
     response_.body().clear();  // the length stays
   stream_.expires_after(HttpServer::kTimeout);
   http::async_write(

@@ -33,7 +33,7 @@ Error denied(std::string message) {
 
 }  // namespace
 
-Status Tunnel::admit(std::string_view origin, std::string_view host, const std::string& address) {
+Status Tunnel::check_page(std::string_view origin, std::string_view host) const {
   if (access_.certificates && !access_.tokens)
     return denied(
         "this server knows its clients by certificates, which the page has none of: give it "
@@ -43,6 +43,11 @@ Status Tunnel::admit(std::string_view origin, std::string_view host, const std::
     return denied(fmt::format("a page from {} may not use this server", exec::quote(origin)));
   if (!access_.tokens && !is_address(host_name(host)))
     return denied("without --tokens the page is served under an address, not under a name");
+  return {};
+}
+
+Status Tunnel::admit(std::string_view origin, std::string_view host, const std::string& address) {
+  if (Status good = check_page(origin, host); !good) return good;
   if (free_slot_for(address)) return {};
   return Error{Code::kResourceExhausted, fmt::format("{} pages are open already", kMaxSockets),
                "TOO_MANY_PAGES"};

@@ -50,12 +50,14 @@ class Tunnel {
          std::chrono::milliseconds limit = exec::kReplyTimeout)
       : stub_(channel), access_(access), limit_(limit) {}
 
-  /// Whether a page may open a socket. `origin`: the page's; empty for programs that are no
-  /// browsers. `host`: which host the request was for. `address`: the peer's, without a port. When
+  /// Whether a page may make calls. `origin`: the page's; empty for programs that are no browsers.
+  /// `host`: which host the request was for. Errors: kPermissionDenied (a page from elsewhere, or
+  /// under a name that an attacker may have pointed here, or certificates without tokens).
+  /// Threads: any.
+  Status check_page(std::string_view origin, std::string_view host) const;
+  /// Whether a page may open a socket. `address`: the peer's, without a port. When
   /// kMaxSockets are open, the newest of the address that has most is closed, if that has two more
-  /// than this one. Errors: kPermissionDenied (a page from elsewhere, or under a name that an
-  /// attacker may have pointed here, or certificates without tokens), kResourceExhausted. Threads:
-  /// that of the pages.
+  /// than this one. Errors: as check_page(), and kResourceExhausted. Threads: that of the pages.
   Status admit(std::string_view origin, std::string_view host, const std::string& address);
 
   /// No call begins from now on. Call it before the server shuts down: gRPC 1.51 does not bear

@@ -1,4 +1,4 @@
-// A call of a live page, in the form that fits every method: streams of bytes both ways.
+// A call of the admin port, in the form that fits every method: streams of bytes both ways.
 #include "server/admin/tunnel_call.h"
 
 #include <grpcpp/support/slice.h>
@@ -17,6 +17,11 @@ Result<std::shared_ptr<TunnelCall>> TunnelCall::open(Tunnel& tunnel, const Reque
     return Error{Code::kUnauthenticated,
                  "the token has characters other than visible ASCII: it is none", "TOKEN_UNKNOWN"};
   }
+  for (const auto& [name, value] : request.metadata) {
+    if (is_printable(value)) continue;
+    return Error{Code::kInvalidArgument,
+                 "the header " + name + " has characters other than visible ASCII", "BAD_HEADER"};
+  }
   const std::lock_guard opening(tunnel.opening_);
   if (tunnel.stopped_) return Error{Code::kUnavailable, "the server stops", "STOPPING"};
   std::shared_ptr<TunnelCall> made(new TunnelCall(tunnel, std::move(events)));
@@ -24,6 +29,8 @@ Result<std::shared_ptr<TunnelCall>> TunnelCall::open(Tunnel& tunnel, const Reque
   if (!request.authorization.empty())
     made->context_.AddMetadata("authorization", request.authorization);
   made->context_.AddMetadata(exec::kMadeFor, exec::made_for(request.peer));
+  for (const auto& [name, value] : request.metadata) made->context_.AddMetadata(name, value);
+  if (request.deadline) made->context_.set_deadline(*request.deadline);
   {
     const std::lock_guard lock(tunnel.mutex_);
     tunnel.calls_.insert(made.get());

@@ -1,10 +1,11 @@
-// A call of a live page, in the form that fits every method: streams of bytes both ways.
+// A call of the admin port, in the form that fits every method: streams of bytes both ways.
 #pragma once
 
 #include <grpcpp/client_context.h>
 #include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/client_callback.h>
 
+#include <chrono>
 #include <cstddef>
 #include <deque>
 #include <functional>
@@ -12,6 +13,8 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "server/admin/tunnel.h"
 
@@ -32,11 +35,13 @@ class TunnelCall final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
     const std::string& method;         ///< "/sightline.v1.SceneService/GetScene".
     const std::string& authorization;  ///< May be empty.
     const std::string& peer;           ///< The peer that it is made for; see exec::made_for().
+    std::vector<std::pair<std::string, std::string>> metadata{};  ///< More of it.
+    std::optional<std::chrono::system_clock::time_point> deadline{};
   };
 
   /// The first message is wanted from the beginning. Errors, after which no event comes:
-  /// kUnauthenticated (what `authorization` has is no header), kUnavailable (the tunnel was
-  /// stopped).
+  /// kUnauthenticated (what `authorization` has is no header), kInvalidArgument (nor is other
+  /// metadata), kUnavailable (the tunnel was stopped).
   static Result<std::shared_ptr<TunnelCall>> open(Tunnel& tunnel, const Request& request,
                                                   Events events);
 

@@ -76,10 +76,17 @@ class ApiTableTest(unittest.TestCase):
     def test_every_cell_says_something(self):
         for row in self.rows:
             with self.subTest(row[0]):
-                self.assertEqual(len(row), 5)
-                for title, cell in zip(TITLES, row[1:]):
+                self.assertEqual(len(row), 6 if row[0].strip("`") in _proto.methods else 5)
+                for title, cell in zip([*TITLES, "JSON"], row[1:]):
                     self.assertTrue(cell, title)
                     self.assertNotRegex(cell, r"^[–-]\W*$", f"{title} has no reason")
+
+    def test_json_has_the_calls_that_are_no_streams(self):
+        for row in self.rows:
+            name = row[0].strip("`")
+            if name in _proto.methods:
+                streams = _proto.methods[name].client_streaming or _proto.methods[name].server_streaming
+                self.assertEqual(row[5], "– a stream" if streams else f"`POST /v1/json/{name}`")
 
     def test_python_has_what_is_named(self):
         for row in self.rows:
