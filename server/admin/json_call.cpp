@@ -28,6 +28,9 @@ Status JsonCalls::Call::start(Tunnel& tunnel, std::function<void()> ended) {
   auto message = message_of_json(*method_->input_type(), request_.body);
   request_.body = {};
   if (!message) return message.error();
+  // gRPC may answer a call whose deadline has passed.
+  if (deadline && std::chrono::system_clock::now() >= *deadline)
+    return Error{Code::kDeadlineExceeded, "the Grpc-Timeout has passed", "DEADLINE_EXCEEDED"};
   const std::string path = fmt::format("/{}/{}", method_->service()->full_name(), method_->name());
   // The events keep the call until the last of them.
   auto opened = TunnelCall::open(

@@ -63,7 +63,7 @@ Result<std::chrono::nanoseconds> parse_timeout(const std::string& text) {
   constexpr std::size_t kMostDigits = 8;
   const auto wrong = [&] {
     return exec::invalid_argument(
-        fmt::format("the Grpc-Timeout {} is none: take 1 to 8 digits and H, M, S, m, u or n",
+        fmt::format("the Grpc-Timeout {} is none: take 1 to 99999999 and H, M, S, m, u or n",
                     exec::quote(text)),
         "BAD_TIMEOUT");
   };
@@ -72,6 +72,7 @@ Result<std::chrono::nanoseconds> parse_timeout(const std::string& text) {
   if (!std::all_of(digits.begin(), digits.end(), [](char c) { return c >= '0' && c <= '9'; }))
     return wrong();
   const std::int64_t count = std::stoll(digits);
+  if (count == 0) return wrong();
   switch (text.back()) {
     case 'H':
       // Hours beyond a year would not fit into a time.
