@@ -30,7 +30,7 @@ Status JsonCalls::Call::start(Tunnel& tunnel, std::function<void()> ended) {
   if (!message) return message.error();
   // gRPC may answer a call whose deadline has passed.
   if (deadline && std::chrono::system_clock::now() >= *deadline)
-    return Error{Code::kDeadlineExceeded, "the Grpc-Timeout has passed", "DEADLINE_EXCEEDED"};
+    return Error{Code::kDeadlineExceeded, "the Grpc-Timeout has passed", {}};
   const std::string path = fmt::format("/{}/{}", method_->service()->full_name(), method_->name());
   // The events keep the call until the last of them.
   auto opened = TunnelCall::open(
