@@ -131,15 +131,15 @@ TEST_F(SliceVerb, ThePictureShowsSidesAndSurface) {
 }
 
 TEST_F(SliceVerb, AScaleStandsBesideTheSlice) {
-  ASSERT_EQ(slice({"--y", "0", "--size", "120x80"}).exit, 0);
+  ASSERT_EQ(slice({"--y", "0", "--size", "160x100"}).exit, 0);
   const Png with = decode(dir_.read("slice.png"));
-  EXPECT_GT(with.width, 120U);
-  EXPECT_EQ(with.height, 80U);
-  ASSERT_EQ(slice({"--y", "0", "--size", "120x80", "--no-scale"}).exit, 0);
+  EXPECT_GT(with.width, 160U);
+  EXPECT_EQ(with.height, 100U);
+  ASSERT_EQ(slice({"--y", "0", "--size", "160x100", "--no-scale"}).exit, 0);
   const Png without = decode(dir_.read("slice.png"));
-  ASSERT_EQ(without.width, 120U);
-  for (std::uint32_t y = 0; y < 80; y += 9) {
-    for (std::uint32_t x = 0; x < 120; x += 7)
+  ASSERT_EQ(without.width, 160U);
+  for (std::uint32_t y = 0; y < 100; y += 9) {
+    for (std::uint32_t x = 0; x < 160; x += 7)
       ASSERT_EQ(with.channel(x, y, 1), without.channel(x, y, 1)) << x << ' ' << y;
   }
 }
