@@ -197,7 +197,7 @@ Result<JsonCalls::Request> HttpSession::json_request() const {
     const auto value = request[name];
     return std::string(value.data(), value.size());
   };
-  if (Status may = json_->check(field(http::field::origin), field(http::field::host)); !may)
+  if (const Status may = json_->check(field(http::field::origin), field(http::field::host)); !may)
     return may.error();
   JsonCalls::Request call;
   call.authorization = field(http::field::authorization);

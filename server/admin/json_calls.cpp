@@ -76,7 +76,7 @@ Result<std::chrono::nanoseconds> parse_timeout(const std::string& text) {
   switch (text.back()) {
     case 'H':
       // Hours beyond a year would not fit into a time.
-      return nanoseconds(std::chrono::hours(std::min<std::int64_t>(count, 24 * 365)));
+      return nanoseconds(std::chrono::hours(std::min(count, std::int64_t{24} * 365)));
     case 'M':
       return nanoseconds(std::chrono::minutes(count));
     case 'S':

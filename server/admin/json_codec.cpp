@@ -80,7 +80,7 @@ Result<const google::protobuf::MethodDescriptor*> json_method(std::string_view n
 
 Result<std::string> message_of_json(const google::protobuf::Descriptor& type,
                                     std::string_view text) {
-  if (Status good = check_json(text); !good) return good.error();
+  if (const Status good = check_json(text); !good) return good.error();
   const auto message = make_message(type);
   const auto parsed = google::protobuf::util::JsonStringToMessage(
       google::protobuf::StringPiece(text.data(), text.size()), message.get());
