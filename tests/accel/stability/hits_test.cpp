@@ -19,7 +19,7 @@ namespace {
 constexpr std::uint32_t kMeshSize = 400;
 constexpr std::size_t kRays = rounds(25) * kHardRayKinds;
 // Rays checked with the oracle, which is slow.
-constexpr std::size_t kSample = rounds(8) * kHardRayKinds;
+constexpr std::size_t kSample = 8 * kHardRayKinds;
 constexpr std::uint64_t kMeshSeed = 7;
 
 accel::geometry::Hit as_hit(const NearestHit& nearest) {
